@@ -1,0 +1,1 @@
+"""Figures: shared style, and one module per device."""

@@ -1,0 +1,97 @@
+"""One look for every figure: colours that colour-blind readers tell apart, and a second cue.
+
+Never let colour alone carry a meaning: pair it with a line style, marker, hatch or label.
+"""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from typing import Any
+
+# Okabe and Ito's palette, with a grey instead of the yellow, which is too pale on white.
+COLOURS = {
+    "black": "#000000",
+    "blue": "#0072B2",
+    "vermilion": "#D55E00",
+    "green": "#009E73",
+    "purple": "#CC79A7",
+    "orange": "#E69F00",
+    "sky": "#56B4E9",
+    "grey": "#6E6E6E",
+}
+CYCLE = ("blue", "vermilion", "green", "purple", "orange", "black")
+LINE_STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 3)))
+MARKERS = ("o", "s", "^", "D", "v", "X")
+HATCHES = ("", "///", "...", "xx", "\\\\\\", "++")
+
+
+def use_style() -> ExitStack:
+    """Set matplotlib's defaults: palette, line styles, type sizes.
+
+    Returns
+    -------
+    ExitStack
+        As a context manager it puts the former defaults back at the end of the ``with`` block;
+        left alone, the style stays for the session.
+
+    Examples
+    --------
+    >>> import matplotlib
+    >>> with use_style():
+    ...     matplotlib.rcParams["axes.spines.top"]
+    False
+    """
+    import matplotlib
+    from cycler import cycler
+
+    settings: dict[str, Any] = {
+        "axes.prop_cycle": cycler(color=[COLOURS[name] for name in CYCLE])
+        + cycler(linestyle=list(LINE_STYLES)),
+        "axes.grid": True,
+        "axes.axisbelow": True,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.titlesize": 11,
+        "axes.titlelocation": "left",
+        "axes.labelsize": 10,
+        "figure.constrained_layout.use": True,
+        "figure.dpi": 110,
+        "figure.figsize": (7.2, 4.0),
+        "font.size": 10,
+        "grid.color": "#DDDDDD",
+        "grid.linewidth": 0.6,
+        "legend.fontsize": 9,
+        "legend.frameon": False,
+        "lines.linewidth": 1.6,
+        "lines.markersize": 5,
+        "xtick.labelsize": 9,
+        "ytick.labelsize": 9,
+    }
+    former = {key: matplotlib.rcParams[key] for key in settings}
+    matplotlib.rcParams.update(settings)
+    restore = ExitStack()
+    restore.callback(matplotlib.rcParams.update, former)
+    return restore
+
+
+def cue(index: int) -> dict[str, Any]:
+    """Colour, line style and marker number ``index`` as keyword arguments of a plot call.
+
+    Parameters
+    ----------
+    index : counted from 0; starts again after the last
+
+    Returns
+    -------
+    dict with ``color``, ``linestyle`` and ``marker``
+
+    Examples
+    --------
+    >>> cue(1)
+    {'color': '#D55E00', 'linestyle': '--', 'marker': 's'}
+    """
+    return {
+        "color": COLOURS[CYCLE[index % len(CYCLE)]],
+        "linestyle": LINE_STYLES[index % len(LINE_STYLES)],
+        "marker": MARKERS[index % len(MARKERS)],
+    }

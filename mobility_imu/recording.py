@@ -1,0 +1,219 @@
+"""A recording: one clock, named sensors, SI units, checked once when it is made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_series
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# A time step longer than this share of the usual one is a gap: at 1.5 a sample is missing.
+GAP_FACTOR = 1.5
+# 2000 deg/s is the widest range of the usual IMUs; a unit error (deg/s) overshoots it at once.
+LARGEST_RATE_RADPS = 40.0
+# Median length of the specific force. A wheel adds a centripetal part, so the upper end is loose.
+PLAUSIBLE_ACC_MPS2 = (6.0, 60.0)
+
+
+@dataclass(frozen=True)
+class Imu:
+    """What one sensor measured, in its own axes.
+
+    Parameters
+    ----------
+    acc_mps2 : (n, 3) array, m/s², specific force (+9.81 upward at rest)
+    gyr_radps : (n, 3) array, rad/s; None if the sensor has no gyroscope
+    """
+
+    acc_mps2: FloatArray
+    gyr_radps: FloatArray | None = None
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Samples of one or more IMUs on one clock.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s, strictly increasing, without gaps
+    sensors : sensor name to :class:`Imu`, all with n samples
+    source : where it came from; stands at the head of error messages
+
+    Raises
+    ------
+    InputError
+        Too few samples, NaN, times that repeat, run backwards or leave a gap, arrays of
+        other shapes, and accelerations or rates in other units than m/s² and rad/s.
+
+    Examples
+    --------
+    >>> still = np.tile([0.0, 0.0, 9.81], (3, 1))
+    >>> Recording(np.arange(3) / 100, {"frame": Imu(still)}).sampling_rate_hz
+    100.0
+    """
+
+    time_s: FloatArray
+    sensors: Mapping[str, Imu]
+    source: str = field(default="recording", kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check everything that later steps rely on."""
+        time_s = as_series(self.time_s, f"{self.source}: time_s")
+        if len(time_s) < 2:
+            raise InputError(f"{self.source}: {len(time_s)} sample(s), expected at least 2")
+        _check_clock(time_s, self.source)
+        if not self.sensors:
+            raise InputError(f"{self.source}: no sensor")
+        for name, imu in self.sensors.items():
+            _check_imu(name, imu, len(time_s), self.source)
+        object.__setattr__(self, "time_s", time_s)
+        object.__setattr__(self, "sensors", MappingProxyType(dict(self.sensors)))
+
+    def __len__(self) -> int:
+        """Give the number of samples."""
+        return len(self.time_s)
+
+    @property
+    def sampling_rate_hz(self) -> float:
+        """Samples per second, from the whole length (one late sample hardly moves it)."""
+        rate = (len(self) - 1) / (self.time_s[-1] - self.time_s[0])
+        return round(float(rate), 6)
+
+    def sensor(self, name: str, *, gyroscope: bool = False) -> Imu:
+        """Give one sensor, or say which ones there are.
+
+        Parameters
+        ----------
+        name : the sensor's name
+        gyroscope : whether its gyroscope is needed
+        """
+        if name not in self.sensors:
+            have = ", ".join(self.sensors)
+            raise InputError(f"{self.source}: no sensor '{name}' (it has: {have})")
+        imu = self.sensors[name]
+        if gyroscope and imu.gyr_radps is None:
+            raise InputError(f"{self.source}: sensor '{name}' has no gyroscope columns")
+        return imu
+
+    def to_frame(self) -> pd.DataFrame:
+        """Give the table of the canonical CSV: time and one column per sensor, axis, quantity."""
+        import pandas as pd
+
+        columns = {"time_s": self.time_s}
+        for name, imu in self.sensors.items():
+            for k, axis in enumerate("xyz"):
+                columns[f"{name}_acc_{axis}_mps2"] = imu.acc_mps2[:, k]
+            if imu.gyr_radps is not None:
+                for k, axis in enumerate("xyz"):
+                    columns[f"{name}_gyr_{axis}_radps"] = imu.gyr_radps[:, k]
+        return pd.DataFrame(columns)
+
+    def trim(self, start_s: float, stop_s: float) -> Recording:
+        """Keep the samples with start_s <= time < stop_s (s, on the recording's clock)."""
+        keep = (self.time_s >= start_s) & (self.time_s < stop_s)
+        if keep.sum() < 2:
+            raise InputError(
+                f"{self.source}: nothing between {start_s} and {stop_s} s (it runs from "
+                f"{self.time_s[0]:g} to {self.time_s[-1]:g} s)"
+            )
+        sensors = {
+            name: Imu(imu.acc_mps2[keep], None if imu.gyr_radps is None else imu.gyr_radps[keep])
+            for name, imu in self.sensors.items()
+        }
+        return Recording(self.time_s[keep], sensors, source=self.source)
+
+    def resample(self, sampling_rate_hz: float) -> Recording:
+        """Put the samples on an even clock by linear interpolation.
+
+        Parameters
+        ----------
+        sampling_rate_hz : Hz. Going down, filter first: nothing is low-passed here.
+        """
+        if not sampling_rate_hz > 0:
+            raise InputError(f"sampling_rate_hz = {sampling_rate_hz}: expected a positive number")
+        span = self.time_s[-1] - self.time_s[0]
+        count = int(np.floor(span * sampling_rate_hz + 1e-9)) + 1
+        time_s = self.time_s[0] + np.arange(count) / sampling_rate_hz
+
+        def at_new_times(values: FloatArray) -> FloatArray:
+            return np.column_stack([np.interp(time_s, self.time_s, axis) for axis in values.T])
+
+        sensors = {
+            name: Imu(
+                at_new_times(imu.acc_mps2),
+                None if imu.gyr_radps is None else at_new_times(imu.gyr_radps),
+            )
+            for name, imu in self.sensors.items()
+        }
+        return Recording(time_s, sensors, source=self.source)
+
+
+def _check_clock(time_s: FloatArray, source: str) -> None:
+    step = np.diff(time_s)
+    if (step == 0).any():
+        k = int(np.argmax(step == 0))
+        raise InputError(f"{source}: time {time_s[k]:g} s stands twice (samples {k} and {k + 1})")
+    if (step < 0).any():
+        k = int(np.argmax(step < 0))
+        raise InputError(
+            f"{source}: time runs backwards at sample {k + 1} "
+            f"({time_s[k]:g} s, then {time_s[k + 1]:g} s)"
+        )
+    usual = float(np.median(step))
+    gap = step > GAP_FACTOR * usual
+    if gap.any():
+        k = int(np.argmax(gap))
+        raise InputError(
+            f"{source}: gap of {step[k]:.3g} s after {time_s[k]:g} s (usual step {usual:.3g} s; "
+            f"{int(gap.sum())} gap(s) in all)"
+        )
+
+
+def _check_imu(name: str, imu: Imu, count: int, source: str) -> None:
+    for quantity, values in (("acc", imu.acc_mps2), ("gyr", imu.gyr_radps)):
+        if values is None:
+            continue
+        label = f"{source}: {name}_{quantity}"
+        if np.shape(values) != (count, 3):
+            raise InputError(f"{label}: expected shape ({count}, 3), got {np.shape(values)}")
+        bad = ~np.isfinite(values)
+        if bad.any():
+            k, axis = (int(index[0]) for index in np.nonzero(bad))
+            raise InputError(
+                f"{label}_{'xyz'[axis]}: sample {k} is {values[k, axis]}, expected a finite number "
+                f"({int(bad.sum())} such value(s))"
+            )
+    _check_units(name, imu, source)
+
+
+def _check_units(name: str, imu: Imu, source: str) -> None:
+    acc = float(np.median(np.linalg.norm(imu.acc_mps2, axis=1)))
+    low, high = PLAUSIBLE_ACC_MPS2
+    if not low <= acc <= high:
+        if 0.6 <= acc <= 2.5:
+            guess = "this looks like g"
+        elif 600 <= acc <= 2500:
+            guess = "this looks like milli-g"
+        elif acc > 2500:
+            guess = "this looks like mm/s² or raw counts"
+        else:
+            guess = "was gravity taken out?"
+        raise InputError(
+            f"{source}: {name}_acc has a median length of {acc:.4g}, expected about 9.81 m/s²: "
+            f"{guess}"
+        )
+    if imu.gyr_radps is not None:
+        fastest = float(np.abs(imu.gyr_radps).max())
+        if fastest > LARGEST_RATE_RADPS:
+            raise InputError(
+                f"{source}: {name}_gyr reaches {fastest:.4g}, more than any such sensor measures "
+                f"in rad/s ({LARGEST_RATE_RADPS:g}): this looks like deg/s"
+            )

@@ -1,0 +1,385 @@
+"""Steering and throttle angles from accelerations (Suzurikawa et al. 2022, eqs. 6 and 7).
+
+Two forms of one solution. The printed one uses arcsine and arctangent and needs C1 > 0, K1 > 0
+and a lever z axis that points up. The three-axis one uses all components of the lever's
+acceleration, needs no branch, and is a least-squares solution of eq. 5.
+
+Neither can tell a steering angle from its mirror image: ``s`` and
+``pi - s - 2 atan2(ax_B, C1)``, each with its own throttle angle, give the same acceleration of
+the lever. Of the two, the three-axis form takes the one nearer to straight ahead; for C1 > 0 so
+does the printed one. They meet, and the angle cannot be observed, where K2 = 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_vectors, wrap_angle
+from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+OBSERVABILITY_LIMIT = float(np.sin(np.deg2rad(2.0)))
+"""Smallest lever arm, as a share of the acceleration's length, on which an angle may rest.
+
+An error of direction (tilt of an IMU, noise over g) reaches the angle divided by this share:
+below it, 0.1 deg of tilt moves the angle by 3 deg or more.
+"""
+
+# Medians below this many m/s² cannot be a sensor at rest in m/s², but can be one in g.
+_LOOKS_LIKE_G = 2.5
+
+
+@dataclass(frozen=True)
+class ScooterAngles:
+    """Angles of the two controls, and whether to trust them.
+
+    Parameters
+    ----------
+    steering_rad : (...) array, rad, positive to the left
+    throttle_rad : (...) array, rad, positive with the lever pushed
+    valid : (...) bool array, see :func:`estimate_angles`
+    """
+
+    steering_rad: FloatArray
+    throttle_rad: FloatArray
+    valid: NDArray[np.bool_]
+
+    def to_frame(self) -> pd.DataFrame:
+        """Give a table in degrees: steering_deg, throttle_deg, valid, one row per sample."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "steering_deg": np.atleast_1d(np.rad2deg(self.steering_rad)),
+                "throttle_deg": np.atleast_1d(np.rad2deg(self.throttle_rad)),
+                "valid": np.atleast_1d(self.valid),
+            }
+        )
+
+
+class _ColumnForce(NamedTuple):
+    """Body's specific force in {N}: the paper's ax_B, C1 and K1."""
+
+    x: FloatArray
+    c1: FloatArray
+    k1: FloatArray
+
+
+def steering_angle(
+    lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike, geometry: ScooterGeometry
+) -> FloatArray:
+    """Steering angle as printed (eq. 6).
+
+    Right where C1 > 0 and ``|steering + atan(ax_B / C1)| <= pi/2``; elsewhere it gives another
+    angle without a sign of it. NaN where the arcsine's argument is beyond +-1, which noise, a
+    moving lever or an unknown slope can bring about.
+
+    Parameters
+    ----------
+    lever_acc_mps2 : (..., 3) array, m/s², specific force in {T}
+    body_acc_mps2 : (..., 3) array, m/s², specific force in {B}; [0, 0, g] for a single IMU
+    geometry : ScooterGeometry
+
+    Returns
+    -------
+    (...) array, rad, positive to the left
+
+    Raises
+    ------
+    InputError
+        If the arrays are not three-vectors or do not broadcast together.
+    """
+    lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
+    column = _in_column(body, geometry)
+    with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer, not an accident
+        sine = lever[..., 0] / np.sqrt(column.x**2 + column.c1**2)
+        return np.arcsin(sine) - np.arctan(column.x / column.c1)
+
+
+def throttle_angle(
+    lever_acc_mps2: ArrayLike,
+    body_acc_mps2: ArrayLike,
+    steering_rad: ArrayLike,
+    geometry: ScooterGeometry,
+) -> FloatArray:
+    """Throttle angle as printed, once the steering angle is known (eq. 7).
+
+    Right where K1 > 0 and the lever IMU's z axis points up. NaN where the arcsine's argument
+    is beyond +-1 or the steering angle is NaN.
+
+    Parameters
+    ----------
+    lever_acc_mps2 : (..., 3) array, m/s², specific force in {T}
+    body_acc_mps2 : (..., 3) array, m/s², specific force in {B}; [0, 0, g] for a single IMU
+    steering_rad : (...) array, rad, positive to the left
+    geometry : ScooterGeometry
+
+    Returns
+    -------
+    (...) array, rad, positive with the lever pushed
+
+    Raises
+    ------
+    InputError
+        If the arrays are not three-vectors or do not broadcast together.
+    """
+    lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
+    column = _in_column(body, geometry)
+    k1, k2 = column.k1, _k2(column, np.asarray(steering_rad, float))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sine = lever[..., 1] / np.sqrt(k1**2 + k2**2)
+        return np.arctan(k2 / k1) - np.arcsin(sine) - _lean(geometry)
+
+
+def three_axis_angles(
+    lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike, geometry: ScooterGeometry
+) -> tuple[FloatArray, FloatArray]:
+    """Both angles from all three axes: the least-squares solution of eq. 5.
+
+    Minimises the length of the difference between the measured lever acceleration and the one
+    that eq. 5 predicts. Any sign of C1, K1 and of the lever's z component is right, and it always
+    answers: a reading beyond what any steering angle can give is met as nearly as can be, at
+    K2 = 0. The scale of each sensor may be unknown.
+
+    Two pairs of angles do this equally well. This gives the one nearer to straight ahead, in
+    which K2 has the sign of C1. It cannot know that the wheel is really turned beyond K2 = 0
+    (on level ground: beyond 90 deg), nor of an acceleration that only one of the IMUs feels.
+
+    Parameters
+    ----------
+    lever_acc_mps2 : (..., 3) array, m/s², specific force in {T}
+    body_acc_mps2 : (..., 3) array, m/s², specific force in {B}; [0, 0, g] for a single IMU
+    geometry : ScooterGeometry
+
+    Returns
+    -------
+    steering_rad, throttle_rad : (...) arrays, rad, in [-pi, pi)
+
+    Raises
+    ------
+    InputError
+        If the arrays are not three-vectors or do not broadcast together.
+    """
+    lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
+    column = _in_column(body, geometry)
+    reach = np.hypot(column.x, column.c1)
+    sideways = np.clip(_scaled_sideways(lever, body), -reach, reach)
+    k2 = np.copysign(np.sqrt((reach - sideways) * (reach + sideways)), column.c1)
+    steering = np.arctan2(sideways, k2) - np.arctan2(column.x, column.c1)
+    tipped = np.arctan2(k2, column.k1) - np.arctan2(lever[..., 1], lever[..., 2])
+    return wrap_angle(steering), wrap_angle(tipped - _lean(geometry))
+
+
+def estimate_angles(
+    lever_acc_mps2: ArrayLike,
+    body_acc_mps2: ArrayLike | None,
+    geometry: ScooterGeometry,
+    *,
+    form: Literal["three-axis", "printed"] = "three-axis",
+) -> ScooterAngles:
+    """Steering and throttle angles from one or two IMUs (eqs. 6 and 7, or both axes at once).
+
+    Parameters
+    ----------
+    lever_acc_mps2 : (..., 3) array, m/s², specific force in {T}
+    body_acc_mps2 : (..., 3) array, m/s², specific force in {B}. None for a single IMU: then
+        the scooter is taken to stand level and still, gravity (0, 0, g) in {B}.
+    geometry : ScooterGeometry
+    form : "three-axis" for :func:`three_axis_angles`; "printed" for :func:`steering_angle`
+        followed by :func:`throttle_angle`, as in the paper
+
+    Returns
+    -------
+    ScooterAngles
+        ``valid`` is true where the numbers are finite; where some steering angle explains the
+        lever's x component (the arcsine's argument is within +-1); where both angles are
+        observable, that is, ``|K2|`` (the lever arm of the steering) and the part of the
+        acceleration across the lever's axis (that of the throttle) are longer than
+        :data:`OBSERVABILITY_LIMIT` times the whole; and for "printed" also where C1 > 0, K1 > 0
+        and the lever's z component > 0.
+        An angle that is not valid is as the formula left it: perhaps NaN, never to be trusted.
+        ``valid`` cannot see the mirror solution, an unknown slope, or acceleration of one IMU only.
+
+    Raises
+    ------
+    InputError
+        Arrays of a wrong shape, an unknown form, units of g, and sensors that read gravity with
+        the wrong sign or are mounted upside down.
+
+    Examples
+    --------
+    >>> from mobility_imu.scooter import SUZUKI_ET4D
+    >>> angles = estimate_angles([[1.677, -2.256, 9.395]], None, SUZUKI_ET4D)
+    >>> angles.to_frame().round(1).values.tolist()
+    [[30.0, 20.0, True]]
+    """
+    if form not in ("three-axis", "printed"):
+        raise InputError(f"form = {form!r}: expected 'three-axis' or 'printed'")
+    level = (0.0, 0.0, STANDARD_GRAVITY_MPS2)
+    lever, body = _vectors(lever_acc_mps2, level if body_acc_mps2 is None else body_acc_mps2)
+    _refuse_wrong_gravity(lever, body, geometry)
+
+    if form == "three-axis":
+        steering, throttle = three_axis_angles(lever, body, geometry)
+        sideways = _scaled_sideways(lever, body)
+    else:
+        steering = steering_angle(lever, body, geometry)
+        throttle = throttle_angle(lever, body, steering, geometry)
+        sideways = lever[..., 0]
+    column = _in_column(body, geometry)
+    k2 = np.abs(_k2(column, steering))
+    shortest = OBSERVABILITY_LIMIT * np.linalg.norm(body, axis=-1)
+    valid = (
+        np.isfinite(steering)
+        & np.isfinite(throttle)
+        & (np.abs(sideways) <= np.hypot(column.x, column.c1))
+        & (k2 > shortest)
+        & (np.hypot(k2, column.k1) > shortest)
+    )
+    if form == "printed":
+        valid &= (column.c1 > 0) & (column.k1 > 0) & (lever[..., 2] > 0)
+    return ScooterAngles(steering, throttle, valid)
+
+
+def angle_standard_deviations(
+    lever_acc_mps2: ArrayLike,
+    steering_rad: ArrayLike,
+    throttle_rad: ArrayLike,
+    geometry: ScooterGeometry,
+    *,
+    lever_sd_mps2: float,
+    body_sd_mps2: float = 0.0,
+) -> tuple[FloatArray, FloatArray]:
+    """How far sensor noise spreads the angles of the three-axis form, to first order.
+
+    With H the 3x2 derivative of eq. 5 by the two angles, the least-squares solution has the
+    covariance ``(sd_T² + sd_B²) (HᵀH)⁻¹``; its diagonal is written out here. A column of H is
+    the acceleration crossed with the axis of one control, in {T}. The value of the steering
+    angle does not enter: all that it does is in the lever's acceleration.
+
+    Mounting errors, bias, and vibration that the two IMUs do not share are not in it. Near the
+    limit of observability first order is too little.
+
+    Parameters
+    ----------
+    lever_acc_mps2 : (..., 3) array, m/s², specific force in {T}
+    steering_rad, throttle_rad : (...) arrays, rad, as estimated
+    geometry : ScooterGeometry
+    lever_sd_mps2, body_sd_mps2 : float, m/s², standard deviation of the noise of each IMU, the
+        same on its three axes and independent
+
+    Returns
+    -------
+    steering_sd_rad, throttle_sd_rad : (...) arrays, rad; infinite where K2 = 0, NaN where an angle
+    is NaN
+
+    Raises
+    ------
+    InputError
+        If the vectors have not three components, or a standard deviation is negative or no number.
+
+    Examples
+    --------
+    >>> from mobility_imu.scooter import SUZUKI_ET4D
+    >>> level = lever_acceleration([0.0, 0.0, 9.80665], 0.0, 0.0, SUZUKI_ET4D)
+    >>> milli_g = 9.80665e-3
+    >>> sd = angle_standard_deviations(level, 0.0, 0.0, SUZUKI_ET4D, lever_sd_mps2=milli_g)
+    >>> [round(float(np.rad2deg(value)), 3) for value in sd]
+    [0.168, 0.057]
+    """
+    lever = as_vectors(lever_acc_mps2, "lever_acc_mps2")
+    for name, sd in (("lever_sd_mps2", lever_sd_mps2), ("body_sd_mps2", body_sd_mps2)):
+        if not (np.isfinite(sd) and sd >= 0):
+            raise InputError(f"{name} = {sd}: expected a standard deviation, zero or positive")
+    x, y, z = lever[..., 0], lever[..., 1], lever[..., 2]
+    tipped = _lean(geometry) + np.asarray(throttle_rad, float)
+    along_shaft = -y * np.sin(tipped) + z * np.cos(tipped)  # K1
+    arm = y * np.cos(tipped) + z * np.sin(tipped)  # K2
+    length = np.linalg.norm(lever, axis=-1)
+    noise = np.hypot(lever_sd_mps2, body_sd_mps2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # det(HᵀH) = (length arm)²
+        share = noise / (length * np.abs(arm))
+        share = np.where(np.isnan(steering_rad), np.nan, share)
+        return share * np.hypot(along_shaft, arm), share * np.hypot(x, arm)
+
+
+def _vectors(lever_acc: ArrayLike, body_acc: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    lever = as_vectors(lever_acc, "lever_acc_mps2")
+    body = as_vectors(body_acc, "body_acc_mps2")
+    try:
+        np.broadcast_shapes(lever.shape, body.shape)
+    except ValueError:
+        raise InputError(
+            f"lever_acc_mps2 has shape {lever.shape}, body_acc_mps2 {body.shape}: expected the "
+            "same number of samples"
+        ) from None
+    return lever, body
+
+
+def _in_column(body: FloatArray, geometry: ScooterGeometry) -> _ColumnForce:
+    sin, cos = np.sin(geometry.steering_inclination_rad), np.cos(geometry.steering_inclination_rad)
+    return _ColumnForce(
+        x=body[..., 0],
+        c1=body[..., 1] * cos + body[..., 2] * sin,
+        k1=-body[..., 1] * sin + body[..., 2] * cos,
+    )
+
+
+def _k2(column: _ColumnForce, steering_rad: FloatArray) -> FloatArray:
+    return -column.x * np.sin(steering_rad) + column.c1 * np.cos(steering_rad)
+
+
+def _lean(geometry: ScooterGeometry) -> float:
+    return geometry.steering_inclination_rad - geometry.lever_inclination_rad
+
+
+def _scaled_sideways(lever: FloatArray, body: FloatArray) -> FloatArray:
+    """Give the lever's x component, as it would be with the lever's length equal to the body's."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = np.linalg.norm(body, axis=-1) / np.linalg.norm(lever, axis=-1)
+        return lever[..., 0] * scale
+
+
+def _refuse_wrong_gravity(lever: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> None:
+    """Say it if gravity, which all rests on, has a wrong unit or sign in the median sample."""
+    lever_median, body_median = _median(lever), _median(body)
+    if lever_median is None or body_median is None:
+        return
+    for name, median in (("lever", lever_median), ("body", body_median)):
+        length = float(np.linalg.norm(median))
+        if length < _LOOKS_LIKE_G:
+            raise InputError(
+                f"{name}_acc_mps2: the median sample is {length:.3g} long, expected about "
+                f"{STANDARD_GRAVITY_MPS2:.2f} m/s²: is it in g, or was gravity taken out?"
+            )
+    if body_median[2] < 0:
+        raise InputError(
+            f"body_acc_mps2: the median z is {body_median[2]:.3g} m/s², expected about "
+            f"+{STANDARD_GRAVITY_MPS2:.2f} (specific force, z up): the sign is flipped or the "
+            "sensor is upside down"
+        )
+    at_rest = lever_acceleration(body_median, 0.0, 0.0, geometry)
+    if lever_median @ at_rest < 0:
+        raise InputError(
+            f"lever_acc_mps2: the median {_show(lever_median)} m/s² is more than 90 deg away from "
+            f"{_show(at_rest)}, which the controls at rest would give: the sign is flipped or the "
+            "sensor is upside down"
+        )
+
+
+def _median(vectors: FloatArray) -> FloatArray | None:
+    rows = vectors.reshape(-1, 3)
+    rows = rows[np.isfinite(rows).all(axis=1)]
+    return np.median(rows, axis=0) if len(rows) else None
+
+
+def _show(vector: FloatArray) -> str:
+    return "(" + ", ".join(f"{value:.2f}" for value in vector) + ")"

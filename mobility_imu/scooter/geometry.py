@@ -1,0 +1,292 @@
+"""From the scooter's body to its throttle lever: four rotations (Suzurikawa et al. 2022).
+
+Frames, each x right, y forward, z up when the controls are at rest on level ground:
+
+* {B} body. {N} steering column: {B} leaned back by alpha, so that z runs along the shaft.
+* {S} steering wheel: {N} turned about the shaft by the steering angle, positive to the left.
+* {W} lever base: turns with the wheel, leaned back by beta against the body when straight.
+* {T} throttle lever, and the IMU on it: {W} tipped forward by the throttle angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_vectors
+from mobility_imu.readers.geometry import read_section
+from mobility_imu.rotations import elementary_rotation
+
+# Along a vertical shaft gravity does not change with steering. At 2 deg a tilt of the lever IMU
+# of 1 deg already looks like 30 deg of steering.
+SMALLEST_STEERING_INCLINATION_RAD = float(np.deg2rad(2.0))
+LARGEST_STEERING_INCLINATION_RAD = float(np.deg2rad(88.0))
+
+
+def _number(name: str, value: object) -> float:
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        number = np.nan
+    if isinstance(value, bool) or not np.isfinite(number):
+        raise InputError(f"{name} = {value!r}: expected a finite number")
+    return number
+
+
+@dataclass(frozen=True)
+class ScooterGeometry:
+    """What has to be measured on the scooter.
+
+    Parameters
+    ----------
+    steering_inclination_rad : float, rad, alpha: how far the steering shaft leans back from the
+        body's vertical, between 2 and 88 deg
+    lever_inclination_rad : float, rad, beta: how far the lever IMU's y axis points up from the
+        body's forward axis with steering and throttle at rest, between -90 and 90 deg
+
+    Raises
+    ------
+    InputError
+        If a value is impossible; the message says which and guesses at a wrong unit.
+
+    Examples
+    --------
+    >>> ScooterGeometry.from_degrees(20, 9) == SUZUKI_ET4D
+    True
+    """
+
+    steering_inclination_rad: float
+    lever_inclination_rad: float
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be, or what gravity cannot see."""
+        for name in ("steering_inclination_rad", "lever_inclination_rad"):
+            object.__setattr__(self, name, _number(name, getattr(self, name)))
+        alpha = self.steering_inclination_rad
+        low, high = SMALLEST_STEERING_INCLINATION_RAD, LARGEST_STEERING_INCLINATION_RAD
+        if not low < alpha < high:
+            hint = ""
+            if 2 < alpha < 88:
+                hint = " (is it in degrees?)"
+            elif 0 <= alpha <= low:
+                hint = (
+                    " (gravity hardly sees steering about a shaft so near the vertical; "
+                    "or was it converted to radians twice?)"
+                )
+            raise InputError(
+                f"steering_inclination_rad = {alpha:g}: expected between {low:.3f} and "
+                f"{high:.3f} rad (2 to 88 deg){hint}"
+            )
+        beta = self.lever_inclination_rad
+        if not abs(beta) < np.pi / 2:
+            hint = " (is it in degrees?)" if abs(beta) < 90 else ""
+            raise InputError(
+                f"lever_inclination_rad = {beta:g}: expected between -1.571 and 1.571 rad "
+                f"(-90 to 90 deg){hint}"
+            )
+
+    @classmethod
+    def from_degrees(
+        cls, steering_inclination_deg: float, lever_inclination_deg: float
+    ) -> ScooterGeometry:
+        """Make it from alpha and beta in degrees.
+
+        Parameters
+        ----------
+        steering_inclination_deg : float, deg, alpha
+        lever_inclination_deg : float, deg, beta
+        """
+        alpha = _number("steering_inclination_deg", steering_inclination_deg)
+        beta = _number("lever_inclination_deg", lever_inclination_deg)
+        if not 2 < alpha < 88:
+            hint = ""
+            if 0 < alpha < 1.54:
+                hint = " (is it in radians? a shaft this near the vertical hides the steering)"
+            raise InputError(
+                f"steering_inclination_deg = {alpha:g}: expected between 2 and 88 deg{hint}"
+            )
+        if not abs(beta) < 90:
+            raise InputError(f"lever_inclination_deg = {beta:g}: expected between -90 and 90 deg")
+        return cls(float(np.deg2rad(alpha)), float(np.deg2rad(beta)))
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> ScooterGeometry:
+        """Read section [scooter] of a geometry file.
+
+        Parameters
+        ----------
+        path : TOML file with ``steering_inclination_deg`` and ``lever_inclination_deg``
+
+        Raises
+        ------
+        InputError
+            If the file, the section or a key is missing, or a value is impossible.
+        """
+        keys = ("steering_inclination_deg", "lever_inclination_deg")
+        values = read_section(path, "scooter", keys)
+        try:
+            return cls.from_degrees(*(values[key] for key in keys))
+        except InputError as error:
+            raise InputError(f"{path}, [scooter]: {error}") from None
+
+
+SUZUKI_ET4D = ScooterGeometry.from_degrees(20, 9)
+"""The scooter of the paper (section 2.2): alpha 20 deg, beta 9 deg."""
+
+
+def rotation_steering_column_to_body(steering_inclination_rad: ArrayLike) -> FloatArray:
+    """Turn components in the steering column {N} into the body {B} (eq. 1).
+
+    Parameters
+    ----------
+    steering_inclination_rad : (...) array, rad, alpha, positive with the shaft leaning back
+
+    Returns
+    -------
+    (..., 3, 3) array
+    """
+    return _rotation("x", steering_inclination_rad)
+
+
+def rotation_steering_to_column(steering_rad: ArrayLike) -> FloatArray:
+    """Turn components in the steering wheel {S} into the column {N} (eq. 2).
+
+    Parameters
+    ----------
+    steering_rad : (...) array, rad, positive to the left
+
+    Returns
+    -------
+    (..., 3, 3) array
+    """
+    return _rotation("z", steering_rad)
+
+
+def rotation_lever_base_to_steering(
+    steering_inclination_rad: ArrayLike, lever_inclination_rad: ArrayLike
+) -> FloatArray:
+    """Turn components in the lever base {W} into the steering wheel {S} (eq. 3).
+
+    Parameters
+    ----------
+    steering_inclination_rad, lever_inclination_rad : (...) arrays, rad, alpha and beta
+
+    Returns
+    -------
+    (..., 3, 3) array
+    """
+    alpha = np.asarray(steering_inclination_rad, float)
+    return _rotation("x", -(alpha - np.asarray(lever_inclination_rad, float)))
+
+
+def rotation_lever_to_lever_base(throttle_rad: ArrayLike) -> FloatArray:
+    """Turn components in the lever {T} into the lever base {W} (eq. 4).
+
+    Parameters
+    ----------
+    throttle_rad : (...) array, rad, positive with the lever pushed (its z axis tips forward)
+
+    Returns
+    -------
+    (..., 3, 3) array
+    """
+    return _rotation("x", -np.asarray(throttle_rad, float))
+
+
+def rotation_lever_to_body(
+    steering_rad: ArrayLike, throttle_rad: ArrayLike, geometry: ScooterGeometry
+) -> FloatArray:
+    """Turn components in the lever {T} into the body {B}: the product in eq. 5.
+
+    Parameters
+    ----------
+    steering_rad, throttle_rad : (...) arrays, rad, that broadcast together
+    geometry : ScooterGeometry
+
+    Returns
+    -------
+    (..., 3, 3) array
+    """
+    alpha, beta = geometry.steering_inclination_rad, geometry.lever_inclination_rad
+    return (
+        rotation_steering_column_to_body(alpha)
+        @ rotation_steering_to_column(steering_rad)
+        @ rotation_lever_base_to_steering(alpha, beta)
+        @ rotation_lever_to_lever_base(throttle_rad)
+    )
+
+
+def lever_acceleration(
+    body_acc_mps2: ArrayLike,
+    steering_rad: ArrayLike,
+    throttle_rad: ArrayLike,
+    geometry: ScooterGeometry,
+) -> FloatArray:
+    """Specific force that the lever IMU reads: eq. 5, from the body to the lever.
+
+    Both IMUs are taken to feel the same specific force. That holds at rest; on the move the
+    lever's own acceleration and the distance between the IMUs come on top.
+
+    Parameters
+    ----------
+    body_acc_mps2 : (..., 3) array, m/s², in {B}
+    steering_rad : (...) array, rad, positive to the left
+    throttle_rad : (...) array, rad, positive with the lever pushed
+    geometry : ScooterGeometry
+
+    Returns
+    -------
+    (..., 3) array, m/s², in {T}; the leading axes broadcast together
+
+    Raises
+    ------
+    InputError
+        If the body's vectors do not have three components.
+
+    Examples
+    --------
+    >>> level = body_specific_force(0.0, 0.0)
+    >>> lever_acceleration(level, 0.0, 0.0, SUZUKI_ET4D).round(3).tolist()
+    [0.0, 1.534, 9.686]
+    """
+    body = as_vectors(body_acc_mps2, "body_acc_mps2")
+    rotation = rotation_lever_to_body(steering_rad, throttle_rad, geometry)
+    return np.einsum("...ji,...j->...i", rotation, body)
+
+
+def body_specific_force(
+    pitch_rad: ArrayLike,
+    roll_rad: ArrayLike,
+    gravity_mps2: float = STANDARD_GRAVITY_MPS2,
+) -> FloatArray:
+    """Specific force in {B} of a scooter at rest on a slope.
+
+    Parameters
+    ----------
+    pitch_rad : (...) array, rad, forward axis above the horizontal: positive with the nose up
+    roll_rad : (...) array, rad, turn about the forward axis: positive with the right side up
+    gravity_mps2 : float, m/s²
+
+    Returns
+    -------
+    (..., 3) array, m/s², in {B}: g (cos pitch sin roll, sin pitch, cos pitch cos roll)
+
+    Examples
+    --------
+    >>> body_specific_force(np.deg2rad(5), 0.0).round(3).tolist()
+    [0.0, 0.855, 9.769]
+    """
+    pitch, roll = np.broadcast_arrays(np.asarray(pitch_rad, float), np.asarray(roll_rad, float))
+    return gravity_mps2 * np.stack(
+        [np.cos(pitch) * np.sin(roll), np.sin(pitch), np.cos(pitch) * np.cos(roll)], axis=-1
+    )
+
+
+def _rotation(axis: Literal["x", "z"], angle_rad: ArrayLike) -> FloatArray:
+    angle = np.asarray(angle_rad, float)
+    return elementary_rotation(axis, angle.reshape(-1, 1)).reshape(*angle.shape, 3, 3)

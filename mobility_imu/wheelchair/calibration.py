@@ -1,0 +1,277 @@
+"""Realignment of wheel and frame IMUs from a static and a straight-line trial (section 1.1).
+
+The document solves for two angles with ``atan``; that keeps the aligned z axis in the IMU's own
+z hemisphere, so an IMU mounted the other way round comes out upside down. The forms here use
+``atan2`` and take the direction itself from the trials: they hold for any mounting.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import ndimage
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.recording import Recording
+from mobility_imu.rotations import elementary_rotation
+from mobility_imu.wheelchair.geometry import Side
+
+# A chair that stands still shows sensor noise only: a few 0.01 rad/s.
+LARGEST_STILL_RATE_RADPS = 0.1
+# Half a turn of the wheel is one push; less than that does not show its axle.
+SMALLEST_TRAVEL_RAD = np.pi
+# In a straight line a wheel's gyroscope sees its axle only; turning shows up across it.
+LARGEST_OFF_AXLE_SHARE = 0.15
+LARGEST_HEADING_CHANGE_RAD = np.deg2rad(45)
+ACCELERATION_SMOOTHING_S = 0.15
+
+
+class AlignmentAngles(NamedTuple):
+    """Two successive turns that bring an IMU's axes to the aligned ones, rad."""
+
+    about_y_rad: float
+    about_x_rad: float
+
+
+def alignment_matrix(about_y_rad: float, about_x_rad: float) -> FloatArray:
+    """Rotation from the aligned frame to the IMU's axes (eqs 1.3-1.5 and 1.11).
+
+    Parameters
+    ----------
+    about_y_rad : gamma (wheel) or sigma (frame), rad, about the IMU's y
+    about_x_rad : epsilon (wheel) or delta (frame), rad, about the new x
+
+    Returns
+    -------
+    (3, 3) array: Ry(about_y) Rx(about_x)
+    """
+    return elementary_rotation("y", about_y_rad) @ elementary_rotation("x", about_x_rad)
+
+
+def realign(vectors_imu: ArrayLike, rotation_aligned_to_imu: ArrayLike) -> FloatArray:
+    """Re-express measurements in the aligned frame (eqs 1.1, 1.2 and 1.10).
+
+    Parameters
+    ----------
+    vectors_imu : (n, 3) array in the IMU's axes
+    rotation_aligned_to_imu : (3, 3) array from :func:`alignment_matrix`
+
+    Returns
+    -------
+    (n, 3) array in the aligned axes
+    """
+    return as_vectors(vectors_imu, "vectors_imu") @ np.asarray(rotation_aligned_to_imu, float)
+
+
+def wheel_alignment_angles(
+    rate_imu_radps: ArrayLike, *, form: Literal["any mounting", "printed"] = "any mounting"
+) -> AlignmentAngles:
+    """Angles gamma and epsilon that turn z onto a wheel's axle (eqs 1.6-1.9).
+
+    Parameters
+    ----------
+    rate_imu_radps : (3,) array, angular rate of the wheel rolling forward, IMU axes; only its
+        direction matters
+    form : "printed" uses ``atan`` as the document does: the aligned z then lies in the IMU's z
+        hemisphere, whatever the direction of the roll, and z = 0 divides by zero
+
+    Returns
+    -------
+    AlignmentAngles
+
+    Raises
+    ------
+    InputError
+        If the vector is zero; "printed": if its z component is.
+
+    Examples
+    --------
+    An axle along the IMU's -z: the printed form gives the opposite axis.
+
+    >>> for form in ("any mounting", "printed"):
+    ...     axle = alignment_matrix(*wheel_alignment_angles([0, 0, -5], form=form))[:, 2]
+    ...     print(form, axle.round(6) + 0.0)
+    any mounting [ 0.  0. -1.]
+    printed [0. 0. 1.]
+    """
+    return _angles_to_z(rate_imu_radps, "rate_imu_radps", form)
+
+
+def frame_alignment_angles(
+    acc_imu_mps2: ArrayLike, *, form: Literal["any mounting", "printed"] = "any mounting"
+) -> AlignmentAngles:
+    """Angles sigma and delta that turn z upward (eqs 1.12-1.15).
+
+    The document writes the resting acceleration as -z (1.12); an accelerometer reads +g upward.
+    With ``atan`` the sign drops out, with ``atan2`` it does not: +z is used here.
+
+    Parameters
+    ----------
+    acc_imu_mps2 : (3,) array, mean specific force at rest, IMU axes
+    form : as in :func:`wheel_alignment_angles`
+
+    Returns
+    -------
+    AlignmentAngles
+    """
+    return _angles_to_z(acc_imu_mps2, "acc_imu_mps2", form)
+
+
+def _angles_to_z(vector: ArrayLike, name: str, form: str) -> AlignmentAngles:
+    x, y, z = as_vectors(vector, name)
+    if not x * x + y * y + z * z > 0:
+        raise InputError(f"{name}: a zero vector has no direction")
+    if form == "any mounting":
+        return AlignmentAngles(float(np.arctan2(x, z)), float(np.arctan2(-y, np.hypot(x, z))))
+    if form != "printed":
+        raise InputError(f"form = {form!r}: expected 'any mounting' or 'printed'")
+    if z == 0:
+        raise InputError(f"{name}: z = 0, the printed equations divide by it")
+    about_y = np.arctan(x / z)
+    return AlignmentAngles(float(about_y), float(np.arctan(-y * np.cos(about_y) / z)))
+
+
+@dataclass(frozen=True)
+class WheelchairCalibration:
+    """How the three IMUs sit on the chair.
+
+    Parameters
+    ----------
+    rotation_left_imu_to_wheel, rotation_right_imu_to_wheel : (3, 3) array; the wheel frame's z is
+        the axle, positive when rolling forward (for both wheels)
+    rotation_frame_imu_to_chair : (3, 3) array; chair x forward, y left, z up
+    off_axle_share : (left, right), root mean square of the rate across the axle over that along
+        it in the straight line; near 0 when the chair went straight
+    """
+
+    rotation_left_imu_to_wheel: FloatArray
+    rotation_right_imu_to_wheel: FloatArray
+    rotation_frame_imu_to_chair: FloatArray
+    off_axle_share: tuple[float, float]
+
+    def rotation_imu_to_wheel(self, side: Side) -> FloatArray:
+        """Give the rotation of one wheel's IMU."""
+        if side == "left":
+            return self.rotation_left_imu_to_wheel
+        return self.rotation_right_imu_to_wheel
+
+
+def axle_direction(gyr_radps: ArrayLike) -> tuple[FloatArray, float]:
+    """Direction of a wheel's axle in IMU axes, forward spin positive, from a straight line.
+
+    The direction along which the rate's mean square is largest: unlike a mean of unit vectors
+    it gives no weight to samples at rest. The sign makes the whole turn of the trial positive.
+
+    Parameters
+    ----------
+    gyr_radps : (n, 3) array, rad/s, chair moving forward in total
+
+    Returns
+    -------
+    direction : (3,) unit array
+    off_axle_share : root mean square across over along
+    """
+    gyr = as_vectors(gyr_radps, "gyr_radps")
+    squares, directions = np.linalg.eigh(gyr.T @ gyr)
+    direction = directions[:, -1] * np.sign((gyr @ directions[:, -1]).sum())
+    return direction, float(np.sqrt(max(squares[0] + squares[1], 0.0) / squares[2]))
+
+
+def calibrate(static: Recording, straight: Recording) -> WheelchairCalibration:
+    """Find how the IMUs are mounted, from the two trials of the document (section 1.1).
+
+    Up is the frame IMU's mean acceleration at rest, the axles come from the straight line, and
+    forward is the horizontal direction in which the frame accelerates together with the wheels.
+
+    Parameters
+    ----------
+    static : the chair standing still
+    straight : the chair pushed straight forward, some metres, from rest or rolling
+
+    Returns
+    -------
+    WheelchairCalibration
+
+    Raises
+    ------
+    InputError
+        If the static trial moves, or the straight-line trial is too short or turns; the message
+        gives the number that shows it.
+    """
+    up = _up(static)
+    rotations, rates, shares = [], [], []
+    sides: tuple[Side, Side] = ("left", "right")
+    for side in sides:
+        gyr = _gyroscope(straight, f"{side}_wheel")
+        travel = float(np.abs(np.linalg.norm(gyr, axis=1)).sum() / straight.sampling_rate_hz)
+        if travel < SMALLEST_TRAVEL_RAD:
+            raise InputError(
+                f"{straight.source}: the {side} wheel turns {travel:.2f} rad, expected more than "
+                f"{SMALLEST_TRAVEL_RAD:.1f} rad in the straight-line trial"
+            )
+        direction, share = axle_direction(gyr)
+        if share > LARGEST_OFF_AXLE_SHARE:
+            raise InputError(
+                f"{straight.source}: {share:.0%} of the {side} wheel's rate lies across its axle, "
+                f"expected less than {LARGEST_OFF_AXLE_SHARE:.0%}: the chair turned, or the sensor "
+                "is loose"
+            )
+        angles = wheel_alignment_angles(direction)
+        rotations.append(alignment_matrix(*angles).T)
+        rates.append(gyr @ direction)
+        shares.append(share)
+    yaw_rate = _gyroscope(straight, "frame") @ up
+    heading = np.cumsum(yaw_rate) / straight.sampling_rate_hz
+    if np.ptp(heading) > LARGEST_HEADING_CHANGE_RAD:
+        raise InputError(
+            f"{straight.source}: the heading changes by {np.rad2deg(np.ptp(heading)):.0f} deg, "
+            f"expected less than {np.rad2deg(LARGEST_HEADING_CHANGE_RAD):.0f} deg in the "
+            "straight-line trial"
+        )
+    forward = _forward(straight, up, np.mean(rates, axis=0))
+    return WheelchairCalibration(
+        rotation_left_imu_to_wheel=rotations[0],
+        rotation_right_imu_to_wheel=rotations[1],
+        rotation_frame_imu_to_chair=np.array([forward, np.cross(up, forward), up]),
+        off_axle_share=(shares[0], shares[1]),
+    )
+
+
+def _up(static: Recording) -> FloatArray:
+    imu = static.sensor("frame", gyroscope=True)
+    rate = float(np.sqrt(np.mean(np.square(_gyroscope(static, "frame"))) * 3))
+    if rate > LARGEST_STILL_RATE_RADPS:
+        raise InputError(
+            f"{static.source}: the frame turns at {rate:.2f} rad/s (root mean square), expected "
+            f"less than {LARGEST_STILL_RATE_RADPS} rad/s in the static trial"
+        )
+    return alignment_matrix(*frame_alignment_angles(imu.acc_mps2.mean(axis=0)))[:, 2]
+
+
+def _forward(straight: Recording, up: FloatArray, wheel_rate: FloatArray) -> FloatArray:
+    """Horizontal direction (IMU axes) in which the frame speeds up when the wheels do."""
+    fs = straight.sampling_rate_hz
+    # Vibration is far faster than a push; both signals get the same smoothing.
+    sigma = ACCELERATION_SMOOTHING_S * fs
+    spin_up = ndimage.gaussian_filter1d(wheel_rate, sigma, order=1) * fs
+    acc = ndimage.gaussian_filter1d(straight.sensor("frame").acc_mps2, sigma, axis=0)
+    spin_up = spin_up - spin_up.mean()
+    pull = spin_up @ (acc - acc.mean(axis=0))
+    pull -= (pull @ up) * up
+    length = float(np.linalg.norm(pull))
+    if not length > 0:
+        raise InputError(
+            f"{straight.source}: the speed never changes, so the frame IMU's forward direction "
+            "cannot be seen; start or end the straight line at rest"
+        )
+    return pull / length
+
+
+def _gyroscope(recording: Recording, sensor: str) -> FloatArray:
+    gyr = recording.sensor(sensor, gyroscope=True).gyr_radps
+    assert gyr is not None  # sensor() refused it otherwise
+    return gyr

@@ -1,0 +1,514 @@
+"""Locomotor tasks from a chair's velocities (section 2 of the document, steps 1-6).
+
+Where the document is silent the public tool decides, and each such choice is named here. All
+offsets of the piecewise aggregate approximation together are the means of the windows that start
+at each frame, so a vote over offsets is a vote over the windows that cover a frame.
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_series
+from mobility_imu.readers.table import read_text
+
+Edge = Literal["covering", "tool"]
+Codes = NDArray[np.int8]
+
+# Frames that are worked on at once: the few arrays of a block stay in the processor's cache.
+BLOCK = 16384
+
+
+class Task(IntEnum):
+    """The six tasks of Table 2, with the tool's codes."""
+
+    STATIC = 1
+    FORWARD = 2
+    BACKWARD = 3
+    PIVOT = 4
+    TIGHT = 5
+    WIDE = 6
+
+    @property
+    def title(self) -> str:
+        """The name as a reader knows it."""
+        return {
+            Task.STATIC: "static",
+            Task.FORWARD: "forward propulsion",
+            Task.BACKWARD: "backward propulsion",
+            Task.PIVOT: "pivot rotation",
+            Task.TIGHT: "tight rotation",
+            Task.WIDE: "wide rotation",
+        }[self]
+
+
+@dataclass(frozen=True)
+class TaskSettings:
+    """Thresholds of Table 1 and of step 4; the document's values are the defaults.
+
+    Parameters
+    ----------
+    segment_s : s, length of a segment of the aggregate approximation
+    linear_velocity_mps : m/s, below it (in size) the chair does not travel
+    yaw_rate_degps : deg/s, from it on the chair turns (Table 1 prints ">", the tool takes ">=")
+    pivot_radius_m, wide_radius_m : m, up to the first a turn is a pivot, from the second on wide
+    onset_velocity_mps, onset_yaw_rate_degps : m/s and deg/s, where a task begins and ends. The
+        document gives only the first; 10 deg/s is the tool's.
+    look_s : s, how far step 4 looks for them; the tool looks 30 frames, which is this at 100 Hz
+
+    Raises
+    ------
+    InputError
+        For a value that is not a positive number, or radii out of order.
+
+    Examples
+    --------
+    >>> TaskSettings(segment_s=0.5).look_s
+    0.3
+    """
+
+    segment_s: float = 0.25
+    linear_velocity_mps: float = 0.5
+    yaw_rate_degps: float = 40.0
+    pivot_radius_m: float = 0.2
+    wide_radius_m: float = 0.5
+    onset_velocity_mps: float = 0.1
+    onset_yaw_rate_degps: float = 10.0
+    look_s: float = 0.30
+
+    def __post_init__(self) -> None:
+        """Check each value."""
+        for name, value in asdict(self).items():
+            if not isinstance(value, int | float) or not np.isfinite(value) or value < 0:
+                raise InputError(f"{name} = {value!r}: expected a positive number")
+            if value == 0 and name in ("segment_s", "linear_velocity_mps", "yaw_rate_degps"):
+                raise InputError(f"{name} = 0: expected a positive number")
+        if self.pivot_radius_m > self.wide_radius_m:
+            raise InputError(
+                f"pivot_radius_m = {self.pivot_radius_m} is larger than "
+                f"wide_radius_m = {self.wide_radius_m}"
+            )
+
+    def frames(self, sampling_rate_hz: float) -> tuple[int, int]:
+        """Length of a segment and of the look window, in frames.
+
+        A segment that is no whole number of frames is rounded, with a warning (the public tool
+        goes on with the fraction and labels most frames wrongly).
+        """
+        exact = self.segment_s * sampling_rate_hz
+        count = round(exact)
+        if count < 1:
+            raise InputError(
+                f"segment_s = {self.segment_s} is less than one frame at {sampling_rate_hz:g} Hz"
+            )
+        if abs(exact - count) > 1e-6 * exact:
+            warnings.warn(
+                f"segment of {self.segment_s} s is {exact:g} frames at {sampling_rate_hz:g} Hz: "
+                f"rounded to {count}",
+                stacklevel=3,
+            )
+        return count, round(self.look_s * sampling_rate_hz)
+
+
+# The tool's keys; freqAcq stands beside them.
+_TOOL_KEYS = {
+    "inptSegmentsec": "segment_s",
+    "seuilVitLinAbs": "linear_velocity_mps",
+    "seuilVitAngAbs": "yaw_rate_degps",
+    "seuilRayonMin": "pivot_radius_m",
+    "seuilRayonMax": "wide_radius_m",
+    "newSeuilVitLinAbs": "onset_velocity_mps",
+    "newSeuilVitAngAbs": "onset_yaw_rate_degps",
+}
+
+
+class SettingsFile(NamedTuple):
+    """Settings of a JSON file, and the sampling rate if it states one."""
+
+    settings: TaskSettings
+    sampling_rate_hz: float | None
+
+
+def read_settings(path: str | Path) -> SettingsFile:
+    """Read settings from JSON, with the public tool's keys or with ours.
+
+    The tool writes a zero as null: null is read as 0.
+
+    Raises
+    ------
+    InputError
+        If it is not a JSON object of numbers, or has an unknown key.
+    """
+    try:
+        content: Any = json.loads(read_text(path))
+    except json.JSONDecodeError as error:
+        raise InputError(f"{path}: not valid JSON ({error})") from None
+    if not isinstance(content, dict):
+        raise InputError(f"{path}: expected a JSON object of settings")
+    values: dict[str, float] = {}
+    rate = None
+    ours = set(TaskSettings.__dataclass_fields__)
+    for key, raw in content.items():
+        try:
+            value = 0.0 if raw is None else float(raw)
+        except (TypeError, ValueError):
+            raise InputError(f"{path}: {key} = {raw!r}, expected a number") from None
+        if key == "freqAcq":
+            rate = value
+        elif key in _TOOL_KEYS or key in ours:
+            values[_TOOL_KEYS.get(key, key)] = value
+        else:
+            known = ", ".join([*_TOOL_KEYS, "freqAcq"])
+            raise InputError(f"{path}: {key} is not a setting (known: {known})")
+    try:
+        return SettingsFile(TaskSettings(**values), rate)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def curvature_radius(linear_velocity_mps: ArrayLike, yaw_rate_radps: ArrayLike) -> FloatArray:
+    """Radius of the path's curvature (eq. 2.1).
+
+    The document lists the yaw rate in deg/s; the radius is in metres only with rad/s. Without
+    any turning the radius is infinite, also at rest.
+
+    Parameters
+    ----------
+    linear_velocity_mps : (n,) array, m/s
+    yaw_rate_radps : (n,) array, rad/s
+
+    Returns
+    -------
+    (n,) array, m, not negative
+
+    Examples
+    --------
+    >>> curvature_radius([1.0, 0.0, 0.0], [0.5, 1.0, 0.0]).tolist()
+    [2.0, 0.0, inf]
+    """
+    velocity = np.asarray(linear_velocity_mps, float)
+    yaw_rate = np.asarray(yaw_rate_radps, float)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        radius = np.abs(velocity / yaw_rate)
+    return np.where(yaw_rate == 0, np.inf, radius)
+
+
+class Symbols(NamedTuple):
+    """The four symbolic signals of steps 2 and 3: 0, 1, 2 stand for a, b, c."""
+
+    velocity: Codes
+    speed: Codes
+    yaw_rate: Codes
+    radius: Codes
+
+
+class TaskSteps(NamedTuple):
+    """What each step gives: for the chapters that show them one by one."""
+
+    symbols: Symbols
+    pattern: Codes
+    refined: Codes
+    reduced: Codes
+
+
+def window_means(values: ArrayLike, length: int) -> FloatArray:
+    """Means of the windows that start at each frame: all offsets at once (step 1).
+
+    The last windows are cut by the end of the series and averaged over what they hold.
+
+    Parameters
+    ----------
+    values : (n,) array
+    length : frames in a window
+
+    Returns
+    -------
+    (n,) array; element s is the mean of values[s : s + length]
+
+    Examples
+    --------
+    >>> window_means([1.0, 2.0, 6.0], 2).tolist()
+    [1.5, 4.0, 6.0]
+    """
+    x = np.asarray(values, float)
+    total = np.zeros(len(x))
+    # Added in the order of the frames: running sums would drag one huge radius along for ever.
+    for k in range(min(length, len(x))):
+        total[: len(x) - k] += x[k:]
+    return total / np.minimum(length, np.arange(len(x), 0, -1))
+
+
+def identify_tasks(
+    linear_velocity_mps: ArrayLike,
+    yaw_rate_radps: ArrayLike,
+    sampling_rate_hz: float,
+    settings: TaskSettings | None = None,
+    *,
+    edge: Edge = "covering",
+) -> Codes:
+    """Task of every frame (section 2).
+
+    Parameters
+    ----------
+    linear_velocity_mps : (n,) array, m/s, forward positive
+    yaw_rate_radps : (n,) array, rad/s; its sign does not matter
+    sampling_rate_hz : Hz
+    settings : TaskSettings; the document's defaults if None
+    edge : for the first frames, which not all offsets cover. "covering" lets only windows vote
+        that cover the frame; "tool" counts the missing ones as no motion, as the public tool does
+
+    Returns
+    -------
+    (n,) array of int8, codes of :class:`Task`
+
+    Raises
+    ------
+    InputError
+        If the series differ in length, hold NaN, or are shorter than one segment.
+
+    Examples
+    --------
+    >>> velocity = np.r_[np.zeros(100), np.full(100, 1.2)]
+    >>> codes = identify_tasks(velocity, np.zeros(200), 100)
+    >>> [Task(code).title for code in codes[[0, -1]]]
+    ['static', 'forward propulsion']
+    """
+    return task_steps(
+        linear_velocity_mps, yaw_rate_radps, sampling_rate_hz, settings, edge=edge
+    ).reduced
+
+
+def task_steps(
+    linear_velocity_mps: ArrayLike,
+    yaw_rate_radps: ArrayLike,
+    sampling_rate_hz: float,
+    settings: TaskSettings | None = None,
+    *,
+    edge: Edge = "covering",
+) -> TaskSteps:
+    """Like :func:`identify_tasks`, with what each step gives."""
+    settings = settings or TaskSettings()
+    if edge not in ("covering", "tool"):
+        raise InputError(f"edge = {edge!r}: expected 'covering' or 'tool'")
+    if not np.isfinite(sampling_rate_hz) or sampling_rate_hz <= 0:
+        raise InputError(f"sampling_rate_hz = {sampling_rate_hz}: expected a positive number")
+    velocity = as_series(linear_velocity_mps, "linear_velocity_mps")
+    yaw_rate = as_series(yaw_rate_radps, "yaw_rate_radps", length=len(velocity))
+    segment, look = settings.frames(sampling_rate_hz)
+    if len(velocity) < segment:
+        raise InputError(
+            f"{len(velocity)} frames are fewer than the {segment} of one segment "
+            f"({settings.segment_s} s at {sampling_rate_hz:g} Hz)"
+        )
+    symbols = symbolic_signals(velocity, yaw_rate, segment, settings, edge)
+    pattern = find_pattern(symbols)
+    refined = refine_edges(pattern, np.abs(velocity), np.abs(np.rad2deg(yaw_rate)), look, settings)
+    return TaskSteps(symbols, pattern, refined, reduce_variability(refined, segment))
+
+
+def symbolic_signals(
+    velocity: FloatArray, yaw_rate: FloatArray, segment: int, settings: TaskSettings, edge: Edge
+) -> Symbols:
+    """Steps 1 and 2: window means, thresholds of Table 1, and the vote for each frame.
+
+    Parameters
+    ----------
+    velocity, yaw_rate : (n,) arrays, m/s and rad/s
+    segment : frames in a segment
+    settings : TaskSettings
+    edge : see :func:`identify_tasks`
+
+    Returns
+    -------
+    Symbols, four (n,) arrays
+    """
+    n = len(velocity)
+    out = Symbols(*(np.empty(n, np.int8) for _ in range(4)))
+    for start in range(0, n, BLOCK):
+        stop = min(start + BLOCK, n)
+        # Windows that cover these frames start up to a segment earlier and end up to one later.
+        low, high = max(start - segment + 1, 0), min(stop + segment - 1, n)
+        v, w = velocity[low:high], yaw_rate[low:high]
+        windows = stop - low
+        speed = np.abs(v)
+        means = (
+            _block_means(v, windows, segment),
+            _block_means(speed, windows, segment),
+            _block_means(np.abs(np.rad2deg(w)), windows, segment),
+            _block_means(curvature_radius(v, w), windows, segment),
+        )
+        limit = settings.linear_velocity_mps
+        never = np.zeros(windows, bool)
+        pivot = means[3] <= settings.pivot_radius_m
+        # Per signal: which windows vote a, which vote c; the rest vote b.
+        ballots = (
+            (means[0] <= -limit, means[0] >= limit),
+            (never, means[1] >= limit),
+            (never, means[2] >= settings.yaw_rate_degps),
+            (pivot, ~pivot & ~(means[3] < settings.wide_radius_m)),
+        )
+        voters = np.minimum(np.arange(start, stop) + 1, segment)
+        # Offsets that do not reach back to a frame: the tool takes them for b, the radius for c.
+        missing = segment - voters if edge == "tool" else 0
+        for symbol, (vote_a, vote_c) in zip(out, ballots, strict=True):
+            a, c = (_count(vote, start - low, stop - start, segment) for vote in (vote_a, vote_c))
+            b = voters - a - c
+            if symbol is out.radius:
+                c = c + missing
+            else:
+                b = b + missing
+            # The most votes win; of equals the first letter.
+            symbol[start:stop] = np.where((a >= b) & (a >= c), 0, np.where(b >= c, 1, 2))
+    return out
+
+
+def _block_means(values: FloatArray, windows: int, segment: int) -> FloatArray:
+    """Means of the windows starting at the first ``windows`` values (cut where values end)."""
+    count = len(values)
+    if count >= windows + segment - 1:
+        total = values[:windows].copy()
+        for k in range(1, segment):
+            total += values[k : k + windows]
+        total /= segment
+        return total
+    return window_means(values, segment)[:windows]
+
+
+def _count(flags: NDArray[np.bool_], skip: int, frames: int, segment: int) -> NDArray[np.int32]:
+    """For each frame, how many of the last ``segment`` windows carry the flag."""
+    total = np.cumsum(flags, dtype=np.int32)
+    here = total[skip : skip + frames].copy()
+    first = skip - segment
+    if first >= 0:
+        here -= total[first : first + frames]
+    elif frames > -first:
+        here[-first:] -= total[: frames + first]
+    return here
+
+
+def find_pattern(symbols: Symbols) -> Codes:
+    """Step 3: the task of each frame by Table 2.
+
+    The table leaves frames open whose speed is high but whose velocity is neither (rocking to and
+    fro within a segment); they count as forward propulsion, as in the public tool.
+
+    Parameters
+    ----------
+    symbols : Symbols
+
+    Returns
+    -------
+    (n,) array of task codes
+    """
+    turning = symbols.yaw_rate == 2
+    travelling = symbols.speed == 2
+    straight = np.where(symbols.velocity == 0, Task.BACKWARD, Task.FORWARD)
+    still = np.where(travelling, straight, Task.STATIC)
+    return np.where(turning, Task.PIVOT + symbols.radius, still).astype(np.int8)
+
+
+def refine_edges(
+    codes: Codes,
+    speed_mps: FloatArray,
+    turning_degps: FloatArray,
+    look: int,
+    settings: TaskSettings,
+) -> Codes:
+    """Step 4: move the start and the end of each task to where the motion begins and ends.
+
+    From the first frame of a task back, and from the first frame after it on, up to ``look``
+    frames are searched for one below the onset threshold; the task grows up to that frame. If
+    there is none it stays. Forward comes first, then backward, then the rotations, which so take
+    precedence. The search after a task starts one frame late (as in the tool): where it succeeds
+    the task grows by a frame at least.
+
+    Parameters
+    ----------
+    codes : (n,) array of task codes
+    speed_mps, turning_degps : (n,) arrays, sizes of velocity and yaw rate, m/s and deg/s
+    look : frames
+    settings : TaskSettings
+
+    Returns
+    -------
+    (n,) array of task codes
+    """
+    codes = codes.copy()
+    slow = speed_mps < settings.onset_velocity_mps
+    for task in (Task.FORWARD, Task.BACKWARD):
+        for first, stop, _ in _extensions(codes == task, slow, look):
+            codes[first:stop] = task
+    calm = turning_degps < settings.onset_yaw_rate_degps
+    for first, stop, inside in _extensions(codes >= Task.PIVOT, calm, look):
+        codes[first:stop] = codes[inside]
+    return codes
+
+
+def _extensions(
+    active: NDArray[np.bool_], calm: NDArray[np.bool_], look: int
+) -> Iterator[tuple[int, int, int]]:
+    """Stretches [first, stop) by which runs grow, with a frame of the run, in the frames' order."""
+    n = len(active)
+    edge = np.diff(np.r_[False, active].astype(np.int8))
+    onsets, ends = np.nonzero(edge == 1)[0], np.nonzero(edge == -1)[0]
+    index = np.arange(n)
+    last_calm = np.maximum.accumulate(np.where(calm, index, -1))
+    next_calm = np.minimum.accumulate(np.where(calm, index, n)[::-1])[::-1]
+    onsets = onsets[onsets > 0]
+    before = last_calm[onsets - 1]
+    found = (before >= 0) & (before >= onsets - look)
+    early = np.stack([before + 1, onsets, onsets])[:, found]
+    ends = ends[ends + 1 < n]
+    after = next_calm[ends + 1]
+    found = (after < n) & (after <= ends + look)
+    late = np.stack([ends, after, ends - 1])[:, found]
+    both = np.concatenate([early, late], axis=1)
+    # A later transition overwrites an earlier one: go by where the run begins or ends.
+    order = np.argsort(np.concatenate([early[1], late[0]]), kind="stable")
+    yield from zip(*both[:, order].tolist(), strict=True)
+
+
+def reduce_variability(codes: Codes, segment: int) -> Codes:
+    """Step 5: give short tasks between two stretches of one and the same task to that task.
+
+    The document sets no length; with none, a whole slalom becomes one task. The tool takes what
+    is shorter than a segment, from left to right, until nothing changes; so does this.
+
+    Parameters
+    ----------
+    codes : (n,) array of task codes
+    segment : frames; runs of fewer frames may be absorbed
+
+    Returns
+    -------
+    (n,) array of task codes
+    """
+    codes = codes.copy()
+    while True:
+        starts = np.r_[0, np.nonzero(np.diff(codes))[0] + 1]
+        if len(starts) < 3:
+            return codes
+        lengths = np.diff(np.r_[starts, len(codes)])
+        label = codes[starts]
+        between = np.zeros(len(starts), bool)
+        between[1:-1] = (label[:-2] == label[2:]) & (lengths[1:-1] < segment)
+        if not between.any():
+            return codes
+        # From left to right: a run that follows an absorbed one has another left neighbour now,
+        # so of a chain of candidates every second one is absorbed.
+        index = np.arange(len(starts))
+        chain = index - np.maximum.accumulate(np.where(between, -1, index))
+        absorbed = between & (chain % 2 == 1)
+        label = label.copy()
+        label[absorbed] = label[np.nonzero(absorbed)[0] - 1]
+        codes = np.repeat(label, lengths)

@@ -1,0 +1,242 @@
+"""Wheel spin, chair velocity and yaw rate (sections 1.2 and 1.3).
+
+For a wheel that leans by the camber, the gyroscope along the axle reads the spin plus the share
+s * yaw_rate * sin(camber) of the chair's yaw rate (s = +1 left, -1 right). Two exact pairs follow:
+the uncorrected rate with the distance between wheel centres, and the spin with the track.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_series, as_vectors
+from mobility_imu.recording import Recording
+from mobility_imu.wheelchair.calibration import WheelchairCalibration
+from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry, side_sign
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Camber = Literal["sign-safe", "printed"]
+
+
+def wheel_spin_rate(
+    gyr_axle_radps: ArrayLike, yaw_rate_radps: ArrayLike, camber_rad: float, *, side: Side
+) -> FloatArray:
+    """Spin of one wheel about its own axle (eq. 1.16, sign-safe form).
+
+    The printed square root loses the direction of the turn; the frame's yaw rate keeps it.
+
+    Parameters
+    ----------
+    gyr_axle_radps : (n,) array, rad/s, wheel gyroscope along the axle, positive rolling forward
+    yaw_rate_radps : (n,) array, rad/s, chair's yaw rate, positive to the left
+    camber_rad : float, rad, positive with the wheels' tops leaning in
+    side : "left" or "right"
+
+    Returns
+    -------
+    (n,) array, rad/s
+
+    Examples
+    --------
+    Turning on the spot to the left, the wheels' centres 0.6335 m apart:
+
+    >>> gyr = -1.0 * 0.6335 / 2 / 0.317
+    >>> wheel_spin_rate([gyr], [1.0], np.deg2rad(19), side="left").round(3).tolist()
+    [-1.325]
+    """
+    lean = side_sign(side) * np.sin(camber_rad)
+    return np.asarray(gyr_axle_radps, float) - np.asarray(yaw_rate_radps, float) * lean
+
+
+def wheel_spin_rate_printed(
+    gyr_wheel_radps: ArrayLike, camber_rad: float, *, side: Side
+) -> FloatArray:
+    """Spin of one wheel as printed (eq. 1.16), with the signs that the public tool gives it.
+
+    It adds (left) or takes away (right) the rate across the axle times tan(camber). That rate is
+    a length, never negative: the result is wrong whenever the chair turns, see
+    :func:`printed_yaw_gain`.
+
+    Parameters
+    ----------
+    gyr_wheel_radps : (n, 3) array, rad/s, wheel frame: z is the axle, positive rolling forward
+    camber_rad : float, rad
+    side : "left" or "right"
+
+    Returns
+    -------
+    (n,) array, rad/s
+    """
+    gyr = as_vectors(gyr_wheel_radps, "gyr_wheel_radps")
+    across = np.hypot(gyr[:, 0], gyr[:, 1])
+    return gyr[:, 2] + side_sign(side) * across * np.tan(camber_rad)
+
+
+def linear_velocity(
+    rate_left_radps: ArrayLike, rate_right_radps: ArrayLike, geometry: WheelchairGeometry
+) -> FloatArray:
+    """Chair's forward velocity from both wheels (eq. 1.17, forward spin positive on both sides).
+
+    The print subtracts the wheels, which is right only for wheel axes that point apart.
+
+    Parameters
+    ----------
+    rate_left_radps, rate_right_radps : (n,) array, rad/s. Spin rates give the velocity midway
+        between the wheels' contacts, uncorrected rates that midway between their centres; for
+        equal radii these are the same.
+    geometry : WheelchairGeometry
+
+    Returns
+    -------
+    (n,) array, m/s
+    """
+    left, right = _rolling_speeds(rate_left_radps, rate_right_radps, geometry)
+    return (left + right) / 2
+
+
+def wheel_yaw_rate(
+    rate_left_radps: ArrayLike,
+    rate_right_radps: ArrayLike,
+    geometry: WheelchairGeometry,
+    *,
+    distance_m: float,
+) -> FloatArray:
+    """Chair's yaw rate from both wheels (eq. 1.18, left turn positive).
+
+    Parameters
+    ----------
+    rate_left_radps, rate_right_radps : (n,) array, rad/s
+    geometry : WheelchairGeometry
+    distance_m : float, m: ``geometry.track_m`` with spin rates, or
+        ``geometry.wheel_centre_distance_m`` with uncorrected rates; other pairs are wrong
+
+    Returns
+    -------
+    (n,) array, rad/s
+    """
+    left, right = _rolling_speeds(rate_left_radps, rate_right_radps, geometry)
+    return (right - left) / distance_m
+
+
+def _rolling_speeds(
+    rate_left: ArrayLike, rate_right: ArrayLike, geometry: WheelchairGeometry
+) -> tuple[FloatArray, FloatArray]:
+    radius = geometry.wheel_radius_m
+    return radius.left * np.asarray(rate_left, float), radius.right * np.asarray(rate_right, float)
+
+
+def printed_yaw_gain(geometry: WheelchairGeometry) -> tuple[float, float]:
+    """Factors by which the printed camber term falsifies the wheels' yaw rate.
+
+    With the same length across the axle on both wheels, abs(yaw rate) cos(camber), eqs 1.16 and
+    1.18 with the wheel-centre distance d_c give, for a yaw rate w in a left turn,
+    w - (r_L + r_R) sin(camber) / d_c w, and the sum of the two in a right turn.
+
+    Returns
+    -------
+    (left, right) : floats, in a left and in a right turn; 1 would be right
+    """
+    lean = sum(geometry.wheel_radius_m) * np.sin(geometry.camber_rad)
+    loss = lean / geometry.wheel_centre_distance_m
+    return float(1 - loss), float(1 + loss)
+
+
+@dataclass(frozen=True)
+class ChairVelocity:
+    """Velocities of the chair on the recording's clock.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    linear_velocity_mps : (n,) array, m/s, forward positive
+    yaw_rate_radps : (n,) array, rad/s, from the frame's gyroscope, left positive
+    wheel_yaw_rate_radps : (n,) array, rad/s, the same from the wheels: they differ when one slips
+    slip : (n,) bool array, True where the two yaw rates differ too much and for too long
+    """
+
+    time_s: FloatArray
+    linear_velocity_mps: FloatArray
+    yaw_rate_radps: FloatArray
+    wheel_yaw_rate_radps: FloatArray
+    slip: np.ndarray
+
+    def to_frame(self) -> pd.DataFrame:
+        """Give the columns of the velocity CSV, yaw rate in deg/s."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "time_s": self.time_s,
+                "linear_velocity_mps": self.linear_velocity_mps,
+                "yaw_rate_degps": np.rad2deg(self.yaw_rate_radps),
+                "slip": self.slip.astype(int),
+            }
+        )
+
+
+def estimate_velocity(
+    trial: Recording,
+    calibration: WheelchairCalibration,
+    geometry: WheelchairGeometry,
+    *,
+    camber: Camber = "sign-safe",
+    slip_correction: bool = False,
+) -> ChairVelocity:
+    """Chair velocity and yaw rate of one trial (eqs 1.16-1.18).
+
+    Parameters
+    ----------
+    trial : Recording with sensors frame, left_wheel, right_wheel
+    calibration : from :func:`mobility_imu.wheelchair.calibrate`
+    geometry : WheelchairGeometry
+    camber : "sign-safe" takes the yaw rate's share out of each wheel with its sign; "printed"
+        follows (1.16) to the letter, as the public tool does
+    slip_correction : put the integrated frame acceleration in place of the wheels' speed where
+        they slip
+
+    Returns
+    -------
+    ChairVelocity
+
+    Raises
+    ------
+    InputError
+        If a sensor or a gyroscope is missing, or ``camber`` is neither of the two.
+    """
+    from mobility_imu.wheelchair.slip import correct_slip, detect_slip
+
+    if camber not in ("sign-safe", "printed"):
+        raise InputError(f"camber = {camber!r}: expected 'sign-safe' or 'printed'")
+    frame = trial.sensor("frame", gyroscope=True)
+    yaw_rate = np.asarray(frame.gyr_radps) @ calibration.rotation_frame_imu_to_chair[2]
+    spins = []
+    sides: tuple[Side, Side] = ("left", "right")
+    for side in sides:
+        gyr_imu = np.asarray(trial.sensor(f"{side}_wheel", gyroscope=True).gyr_radps)
+        gyr = gyr_imu @ calibration.rotation_imu_to_wheel(side).T
+        if camber == "printed":
+            spins.append(wheel_spin_rate_printed(gyr, geometry.camber_rad, side=side))
+        else:
+            spins.append(wheel_spin_rate(gyr[:, 2], yaw_rate, geometry.camber_rad, side=side))
+    # The printed document pairs its spin with the wheel-centre distance.
+    distance = geometry.track_m if camber == "sign-safe" else geometry.wheel_centre_distance_m
+    velocity = linear_velocity(*spins, geometry)
+    wheel_yaw = wheel_yaw_rate(*spins, geometry, distance_m=distance)
+    windows = detect_slip(yaw_rate, wheel_yaw, trial.sampling_rate_hz)
+    if slip_correction:
+        forward = frame.acc_mps2 @ calibration.rotation_frame_imu_to_chair[0]
+        velocity = correct_slip(velocity, forward, windows, trial.sampling_rate_hz)
+    return ChairVelocity(
+        time_s=trial.time_s,
+        linear_velocity_mps=as_series(velocity, "linear velocity"),
+        yaw_rate_radps=yaw_rate,
+        wheel_yaw_rate_radps=wheel_yaw,
+        slip=windows.flags(len(trial)),
+    )
