@@ -43,4 +43,7 @@ clean:                    ## forget built pages and executed notebooks
 $(VENV)/.installed: requirements.txt constraints.txt pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --disable-pip-version-check --quiet -r requirements.txt
+	mkdir -p $(VENV)/etc/ipython
+	echo "c.IPKernelApp.log_level = 'ERROR'  # kernels talk to this machine only: no notice of it" \
+	    > $(VENV)/etc/ipython/ipython_kernel_config.py
 	touch $@

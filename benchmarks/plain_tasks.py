@@ -37,12 +37,7 @@ def plain_tasks(velocity, yaw_rate_radps, segment, look, settings, edge):
 
 def radius(v, w):
     """Equation 2.1 with the yaw rate in rad/s; no turning is an infinite radius."""
-    if w == 0:
-        return math.inf
-    try:
-        return abs(v / w)
-    except OverflowError:
-        return math.inf
+    return math.inf if w == 0 else abs(v / w)
 
 
 def symbolic_signal(name, values, segment, settings, edge):
@@ -98,7 +93,7 @@ def table_2(v, speed, yaw, r):
 
 
 def refine(codes, speed, turning, look, settings):
-    """Step 4: forward, then backward, then the rotations; each from left to right."""
+    """Step 4: forward, then backward, then the rotations; each from left to right, in place."""
     codes = list(codes)
     slow = settings.onset_velocity_mps
     calm = settings.onset_yaw_rate_degps
@@ -107,21 +102,18 @@ def refine(codes, speed, turning, look, settings):
         ((BACKWARD,), speed, slow),
         ((PIVOT, TIGHT, WIDE), turning, calm),
     ):
-        before = list(codes)  # transitions are those before this group's extensions
-        for t in range(1, len(before)):
-            now, previous = before[t] in group, before[t - 1] in group
-            if now and not previous:
+        active = [code in group for code in codes]  # before this group's own extensions
+        for t in range(1, len(codes)):
+            if active[t] and not active[t - 1]:
                 for k in range(t - 1, max(t - look, 0) - 1, -1):
                     if signal[k] < limit:
-                        for j in range(k + 1, t):
-                            codes[j] = before[t]
+                        codes[k + 1 : t] = [codes[t]] * (t - k - 1)
                         break
-            if previous and not now:
+            if active[t - 1] and not active[t]:
                 # tool: the search after a task begins one frame late.
-                for k in range(t + 1, min(t + look, len(before) - 1) + 1):
+                for k in range(t + 1, min(t + look, len(codes) - 1) + 1):
                     if signal[k] < limit:
-                        for j in range(t, k):
-                            codes[j] = before[t - 1]
+                        codes[t:k] = [codes[t - 1]] * (k - t)
                         break
     return codes
 

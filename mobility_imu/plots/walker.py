@@ -19,11 +19,17 @@ VIEW = np.array([[0.92, -0.42, 0.0], [0.28, 0.32, 1.0]])
 
 def draw_frames() -> Figure:
     """Draw a walking frame with its footprint, body frame and an IMU fixed somewhere on it."""
+    from mobility_imu.plots.style import use_style
+
+    with use_style():
+        return _draw_frames()
+
+
+def _draw_frames() -> Figure:
     import matplotlib.pyplot as plt
 
-    from mobility_imu.plots.style import COLOURS, use_style
+    from mobility_imu.plots.style import COLOURS
 
-    use_style()
     figure, axes = plt.subplots(figsize=(6.4, 4.6))
     half = WIDTH_M / 2
     a, b, c, d = (
@@ -74,7 +80,7 @@ def draw_frames() -> Figure:
 
 def _line(axes: Axes, start: FloatArray, end: FloatArray, **style: object) -> None:
     points = VIEW @ np.array([start, end]).T
-    axes.plot(points[0], points[1], "-", solid_capstyle="round", **style)  # type: ignore[arg-type]
+    axes.plot(points[0], points[1], "-", solid_capstyle="round", **style)
 
 
 def _arrow(axes: Axes, start: FloatArray, end: FloatArray, **style: object) -> None:

@@ -44,7 +44,8 @@ def read_recording(
     Raises
     ------
     InputError
-        Unknown format, missing columns, and whatever :class:`Recording` refuses.
+        Unknown format, missing columns, and whatever
+        :class:`~mobility_imu.recording.Recording` refuses.
     """
     path = Path(path)
     if not path.is_file():
@@ -110,7 +111,7 @@ def _wheelmove_id(text: str, source: str, sampling_rate_hz: float) -> Recording:
     sensors = {}
     for theirs, ours in WHEELMOVE_SENSORS.items():
         acc, gyr = (
-            pick_columns(header, values, [f"{theirs}_{kind}_{axis}" for axis in AXES], source)
+            pick_columns(header, values, [f"{theirs}_{kind}_{axis}" for axis in "XYZ"], source)
             for kind in ("Acc", "Gyr")
         )
         sensors[ours] = Imu(acc, gyr)
@@ -134,10 +135,13 @@ def read_xsens(
     -------
     Recording
     """
-    tables = {}
+    tables: dict[str, tuple[FloatArray, Imu]] = {}
     rates = set()
     for sensor, path in paths.items():
         counter, imu, rate = _xsens_file(path)
+        # A sensor that starts after the counter went over has small counts throughout.
+        start = next(iter(tables.values()))[0][0] if tables else counter[0]
+        counter = counter + XSENS_COUNTER_RANGE * round((start - counter[0]) / XSENS_COUNTER_RANGE)
         tables[sensor] = (counter, imu)
         rates.add(rate or sampling_rate_hz)
     source = " + ".join(Path(path).name for path in paths.values())
@@ -184,8 +188,8 @@ def _xsens_file(path: str | Path) -> tuple[FloatArray, Imu, float | None]:
         table, separator="\t", source=str(path), first_line=len(comments) + 1
     )
     counter = pick_columns(header, values, ["PacketCounter"], str(path))[:, 0]
-    acc = pick_columns(header, values, [f"Acc_{axis}" for axis in AXES], str(path))
-    gyr = pick_columns(header, values, [f"Gyr_{axis}" for axis in AXES], str(path))
+    acc = pick_columns(header, values, [f"Acc_{axis}" for axis in "XYZ"], str(path))
+    gyr = pick_columns(header, values, [f"Gyr_{axis}" for axis in "XYZ"], str(path))
     step = np.diff(counter)
     # The counter starts again at 0 after 65535.
     counter = counter + XSENS_COUNTER_RANGE * np.r_[0, np.cumsum(step < -XSENS_COUNTER_RANGE / 2)]

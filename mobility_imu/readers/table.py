@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -70,18 +71,20 @@ def parse_numbers(
         raise InputError(f"{source}: a header, but no rows of data")
     decimal = "," if separator != "," and "," in body[:4096] else "."
     try:
-        frame = pd.read_csv(
-            io.StringIO(body),
-            sep=separator,
-            header=None,
-            names=list(range(len(header))),
-            index_col=False,
-            decimal=decimal,
-            dtype=np.float64,
-            float_precision="round_trip",
-            skipinitialspace=True,
-        )
-    except (ValueError, pd.errors.ParserError):
+        with warnings.catch_warnings():
+            # Rows longer than the header: pandas would drop the rest and go on.
+            warnings.simplefilter("error", pd.errors.ParserWarning)
+            frame = pd.read_csv(
+                io.StringIO(body),
+                sep=separator,
+                header=None,
+                names=list(range(len(header))),
+                index_col=False,
+                decimal=decimal,
+                dtype=np.float64,
+                skipinitialspace=True,
+            )
+    except (ValueError, pd.errors.ParserError, pd.errors.ParserWarning):
         frame = None
     if frame is None or frame.isna().to_numpy().any():
         # Slow and thorough, only when something is wrong: name the line and the column.
@@ -101,9 +104,9 @@ def _check_cells(
         if len(cells) == len(header) + 1 and not cells[-1].strip():
             cells.pop()
         if len(cells) != len(header):
+            guess = "was the file cut short?" if len(cells) < len(header) else "decimal commas?"
             raise InputError(
-                f"{source}: line {number} has {len(cells)} of {len(header)} cells; "
-                "was the file cut short?"
+                f"{source}: line {number} has {len(cells)} of {len(header)} cells; {guess}"
             )
         for name, cell in zip(header, cells, strict=True):
             try:

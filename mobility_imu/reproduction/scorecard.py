@@ -81,5 +81,5 @@ def print_scorecard(outcomes: list[Outcome]) -> None:
         # In a file or a pipe there is no window to fit into.
         console = Console(width=200)
     console.print(table)
-    verdicts = [outcome.verdict for outcome in outcomes]
+    verdicts: list[str] = [outcome.verdict for outcome in outcomes]
     console.print(", ".join(f"{verdicts.count(v)} {v}" for v in colours))

@@ -105,8 +105,11 @@ class ScooterGeometry:
         beta = _number("lever_inclination_deg", lever_inclination_deg)
         if not 2 < alpha < 88:
             hint = ""
-            if 0 < alpha < 1.54:
-                hint = " (is it in radians? a shaft this near the vertical hides the steering)"
+            if 0 <= alpha <= 2:
+                hint = (
+                    " (gravity hardly sees steering about a shaft so near the vertical; "
+                    "or is it in radians?)"
+                )
             raise InputError(
                 f"steering_inclination_deg = {alpha:g}: expected between 2 and 88 deg{hint}"
             )
@@ -136,7 +139,7 @@ class ScooterGeometry:
 
 
 SUZUKI_ET4D = ScooterGeometry.from_degrees(20, 9)
-"""The scooter of the paper (section 2.2): alpha 20 deg, beta 9 deg."""
+"""The scooter of the paper (section 2.2), with alpha 20 deg and beta 9 deg."""
 
 
 def rotation_steering_column_to_body(steering_inclination_rad: ArrayLike) -> FloatArray:

@@ -28,6 +28,8 @@ SMALLEST_TRAVEL_RAD = np.pi
 LARGEST_OFF_AXLE_SHARE = 0.15
 LARGEST_HEADING_CHANGE_RAD = np.deg2rad(45)
 ACCELERATION_SMOOTHING_S = 0.15
+# 0.15 m/s for a usual wheel; with less, the forward direction would be read from noise.
+SMALLEST_RATE_CHANGE_RADPS = 0.5
 
 
 class AlignmentAngles(NamedTuple):
@@ -262,13 +264,14 @@ def _forward(straight: Recording, up: FloatArray, wheel_rate: FloatArray) -> Flo
     spin_up = spin_up - spin_up.mean()
     pull = spin_up @ (acc - acc.mean(axis=0))
     pull -= (pull @ up) * up
-    length = float(np.linalg.norm(pull))
-    if not length > 0:
+    change = float(np.ptp(ndimage.gaussian_filter1d(wheel_rate, sigma)))
+    if change < SMALLEST_RATE_CHANGE_RADPS:
         raise InputError(
-            f"{straight.source}: the speed never changes, so the frame IMU's forward direction "
-            "cannot be seen; start or end the straight line at rest"
+            f"{straight.source}: the wheels' rate changes by {change:.2f} rad/s, expected more "
+            f"than {SMALLEST_RATE_CHANGE_RADPS} rad/s: the frame IMU's forward direction shows "
+            "only while the speed changes; start or end the straight line at rest"
         )
-    return pull / length
+    return pull / np.linalg.norm(pull)
 
 
 def _gyroscope(recording: Recording, sensor: str) -> FloatArray:

@@ -132,7 +132,7 @@ class WheelchairGeometry:
 
     @property
     def wheel_centre_distance_m(self) -> float:
-        """Lateral distance between the wheels' centres, m: the track less the lean of both."""
+        """Lateral distance in m between the wheels' centres (the track less the lean of both)."""
         return self.track_m - float(sum(self.wheel_radius_m) * np.sin(self.camber_rad))
 
     def axle_direction(self, side: Side) -> FloatArray:

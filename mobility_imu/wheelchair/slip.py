@@ -120,7 +120,8 @@ def correct_slip(
     if not long.any():
         return velocity
     sections = signal.butter(2, settings.low_pass_hz, fs=sampling_rate_hz, output="sos")
-    smooth = signal.sosfiltfilt(sections, acc)
+    # The usual padding of nine samples, fewer where the recording is shorter.
+    smooth = signal.sosfiltfilt(sections, acc, padlen=min(9, len(acc) - 1))
     for first, last in zip(windows.first[long], windows.last[long], strict=True):
         before, after = max(first - 1, 0), min(last + 1, len(velocity) - 1)
         gained = integrate.cumulative_trapezoid(

@@ -166,7 +166,7 @@ def read_settings(path: str | Path) -> SettingsFile:
         if key == "freqAcq":
             rate = value
         elif key in _TOOL_KEYS or key in ours:
-            values[_TOOL_KEYS.get(key, key)] = value
+            values[_TOOL_KEYS.get(str(key), str(key))] = value
         else:
             known = ", ".join([*_TOOL_KEYS, "freqAcq"])
             raise InputError(f"{path}: {key} is not a setting (known: {known})")

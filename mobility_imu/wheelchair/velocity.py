@@ -194,7 +194,7 @@ def estimate_velocity(
     Parameters
     ----------
     trial : Recording with sensors frame, left_wheel, right_wheel
-    calibration : from :func:`mobility_imu.wheelchair.calibrate`
+    calibration : from :func:`~mobility_imu.wheelchair.calibration.calibrate`
     geometry : WheelchairGeometry
     camber : "sign-safe" takes the yaw rate's share out of each wheel with its sign; "printed"
         follows (1.16) to the letter, as the public tool does
@@ -216,19 +216,19 @@ def estimate_velocity(
         raise InputError(f"camber = {camber!r}: expected 'sign-safe' or 'printed'")
     frame = trial.sensor("frame", gyroscope=True)
     yaw_rate = np.asarray(frame.gyr_radps) @ calibration.rotation_frame_imu_to_chair[2]
-    spins = []
-    sides: tuple[Side, Side] = ("left", "right")
-    for side in sides:
+
+    def spin(side: Side) -> FloatArray:
         gyr_imu = np.asarray(trial.sensor(f"{side}_wheel", gyroscope=True).gyr_radps)
         gyr = gyr_imu @ calibration.rotation_imu_to_wheel(side).T
         if camber == "printed":
-            spins.append(wheel_spin_rate_printed(gyr, geometry.camber_rad, side=side))
-        else:
-            spins.append(wheel_spin_rate(gyr[:, 2], yaw_rate, geometry.camber_rad, side=side))
+            return wheel_spin_rate_printed(gyr, geometry.camber_rad, side=side)
+        return wheel_spin_rate(gyr[:, 2], yaw_rate, geometry.camber_rad, side=side)
+
+    left, right = spin("left"), spin("right")
     # The printed document pairs its spin with the wheel-centre distance.
     distance = geometry.track_m if camber == "sign-safe" else geometry.wheel_centre_distance_m
-    velocity = linear_velocity(*spins, geometry)
-    wheel_yaw = wheel_yaw_rate(*spins, geometry, distance_m=distance)
+    velocity = linear_velocity(left, right, geometry)
+    wheel_yaw = wheel_yaw_rate(left, right, geometry, distance_m=distance)
     windows = detect_slip(yaw_rate, wheel_yaw, trial.sampling_rate_hz)
     if slip_correction:
         forward = frame.acc_mps2 @ calibration.rotation_frame_imu_to_chair[0]

@@ -1,0 +1,434 @@
+"""Figures of the manual chair: its frames and lengths, and the chronogram of its tasks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_series
+from mobility_imu.plots.style import COLOURS, HATCHES, use_style
+from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry, side_sign
+from mobility_imu.wheelchair.tasks import Task
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+TASK_COLOURS = {
+    Task.STATIC: COLOURS["grey"],
+    Task.FORWARD: COLOURS["green"],
+    Task.BACKWARD: COLOURS["orange"],
+    Task.PIVOT: COLOURS["purple"],
+    Task.TIGHT: COLOURS["vermilion"],
+    Task.WIDE: COLOURS["blue"],
+}
+TASK_HATCHES = dict(zip(Task, HATCHES, strict=True))
+# More points than this are drawn as the smallest and largest of each of that many stretches.
+LONGEST_LINE = 8000
+SIDE_COLOURS = {"left": "#A34700", "right": "#00537F"}
+BODY: dict[str, Any] = {"facecolor": "#EFEFEF", "edgecolor": "#9A9A9A", "linewidth": 1.2}
+PAPER: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.85}
+YAW = "#006B4E"
+
+
+def chronogram(
+    time_s: ArrayLike,
+    codes: ArrayLike,
+    linear_velocity_mps: ArrayLike | None = None,
+    yaw_rate_radps: ArrayLike | None = None,
+) -> Figure:
+    """Draw when which task was done: one band per task, velocities above if they are given.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s, rising
+    codes : (n,) array of task codes, 1 to 6
+    linear_velocity_mps : (n,) array, m/s, forward positive
+    yaw_rate_radps : (n,) array, rad/s, left positive; drawn in deg/s
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If the series differ in length, times do not rise, or a code is no task.
+    """
+    import matplotlib.pyplot as plt
+
+    time = as_series(time_s, "time_s")
+    task = as_series(codes, "codes", length=len(time))
+    if len(time) < 2 or (np.diff(time) <= 0).any():
+        raise InputError("time_s: expected at least two rising times")
+    unknown = ~np.isin(task, list(Task))
+    if unknown.any():
+        first = int(np.argmax(unknown))
+        raise InputError(f"codes: sample {first} is {task[first]:g}, expected a task, 1 to 6")
+    curves = []
+    if linear_velocity_mps is not None:
+        velocity = as_series(linear_velocity_mps, "linear_velocity_mps", length=len(time))
+        curves.append(("velocity\nm/s", velocity))
+    if yaw_rate_radps is not None:
+        yaw_rate = as_series(yaw_rate_radps, "yaw_rate_radps", length=len(time))
+        curves.append(("yaw rate\ndeg/s", np.rad2deg(yaw_rate)))
+
+    spans = _spans(time, task)
+    line = 1.1 if time[-1] - time[0] <= 180 else 0.5
+    shares = {code: float((task == code).mean()) for code in Task}
+    with use_style():
+        figure, column = plt.subplots(
+            len(curves) + 1,
+            1,
+            figsize=(9.0, 2.5 + 1.5 * len(curves)),
+            sharex=True,
+            squeeze=False,
+            height_ratios=[1.0] * len(curves) + [1.6],
+        )
+        *panels, bands = column[:, 0]
+        for ax, (label, values) in zip(panels, curves, strict=True):
+            for code, pieces in spans.items():
+                ax.broken_barh(
+                    pieces,
+                    (0, 1),
+                    transform=ax.get_xaxis_transform(),
+                    facecolor=TASK_COLOURS[code],
+                    alpha=0.22,
+                    linewidth=0,
+                )
+            ax.axhline(0, color="#888888", linewidth=0.8, linestyle="-")
+            ax.plot(*_thinned(time, values), color="black", linestyle="-", linewidth=line)
+            ax.set_ylabel(label)
+            ax.grid(visible=False)
+        for code, pieces in spans.items():
+            bands.broken_barh(
+                pieces,
+                (code - 0.4, 0.8),
+                facecolor=TASK_COLOURS[code],
+                # A fine edge in its own colour keeps the shortest task visible.
+                edgecolor=TASK_COLOURS[code],
+                linewidth=0.6,
+            )
+            bands.broken_barh(
+                # In a sliver a hatch only washes out the colour.
+                [piece for piece in pieces if piece[1] > 0.012 * (time[-1] - time[0])],
+                (code - 0.4, 0.8),
+                facecolor="none",
+                edgecolor="white",
+                linewidth=0,
+                hatch=TASK_HATCHES[code],
+            )
+        bands.set_ylim(6.6, 0.4)
+        bands.set_yticks(list(Task), [code.title for code in Task])
+        bands.tick_params(axis="y", length=0)
+        bands.set_xlim(time[0], time[-1])
+        share = bands.secondary_yaxis("right")
+        share.set_yticks(list(Task), [f"{100 * shares[code]:.0f} %" for code in Task])
+        share.tick_params(length=0)
+        share.set_ylabel("share of time")
+        share.spines["right"].set_visible(False)
+        _clock_axis(bands, float(time[-1] - time[0]))
+        figure.align_ylabels(panels)
+    return figure
+
+
+def _spans(time_s: FloatArray, task: FloatArray) -> dict[Task, list[tuple[float, float]]]:
+    """Start and duration of every run of each task, s."""
+    starts = np.r_[0, np.nonzero(np.diff(task))[0] + 1]
+    ends = np.r_[time_s[starts[1:]], 2 * time_s[-1] - time_s[-2]]
+    spans: dict[Task, list[tuple[float, float]]] = {}
+    for first, end in zip(starts, ends, strict=True):
+        begin = float(time_s[first])
+        spans.setdefault(Task(int(task[first])), []).append((begin, float(end) - begin))
+    return spans
+
+
+def _thinned(time_s: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Leave out what no page shows: of each stretch the smallest and the largest value remain."""
+    if len(values) <= LONGEST_LINE:
+        return time_s, values
+    edges = np.linspace(0, len(values), LONGEST_LINE // 2 + 1).astype(int)[:-1]
+    low, high = np.minimum.reduceat(values, edges), np.maximum.reduceat(values, edges)
+    return np.repeat(time_s[edges], 2), np.column_stack([low, high]).ravel()
+
+
+def _clock_axis(ax: Axes, duration_s: float) -> None:
+    """Seconds for short recordings, minutes and seconds for long ones."""
+    from matplotlib.ticker import FuncFormatter, MultipleLocator
+
+    if duration_s <= 180:
+        ax.set_xlabel("time, s")
+        return
+    steps = (15, 30, 60, 120, 300, 600, 1200, 3600)
+    step = next((s for s in steps if duration_s / s <= 12), 7200)
+    ax.xaxis.set_major_locator(MultipleLocator(step))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda t, _: f"{t // 60:.0f}:{t % 60:02.0f}"))
+    ax.set_xlabel("time, min:s")
+
+
+def draw_frames(geometry: WheelchairGeometry) -> Figure:
+    """Draw the chair from behind and from above, with its frame, axles, lengths and angles.
+
+    Parameters
+    ----------
+    geometry : WheelchairGeometry
+
+    Returns
+    -------
+    Figure with two panels, lengths to scale
+    """
+    import matplotlib.pyplot as plt
+
+    with use_style():
+        figure, (rear, top) = plt.subplots(1, 2, figsize=(9.8, 4.8), width_ratios=[1.22, 1])
+        _draw_rear(rear, geometry)
+        _draw_top(top, geometry)
+        for ax in (rear, top):
+            ax.set_aspect("equal", anchor="N")
+            ax.axis("off")
+    return figure
+
+
+def _draw_rear(ax: Axes, geometry: WheelchairGeometry) -> None:
+    """Draw the view from behind: screen right is -y, screen up is z."""
+    from matplotlib.patches import Polygon, Rectangle
+
+    ax.set_title("From behind: y left, z up, x into the page")
+    half = geometry.track_m / 2
+    ax.plot([-half - 0.32, half + 0.32], [0, 0], color="#777777", linewidth=2, linestyle="-")
+    ax.add_patch(Rectangle((-0.21, 0.36), 0.42, 0.05, **BODY))
+    ax.add_patch(Polygon([(-0.20, 0.44), (-0.18, 0.74), (0.18, 0.74), (0.20, 0.44)], **BODY))
+    centres = {}
+    sides: tuple[Side, Side] = ("left", "right")
+    for side in sides:
+        centres[side] = _draw_rear_wheel(ax, geometry, side)
+    ax.plot(
+        *np.transpose(list(centres.values())), color="#9A9A9A", linewidth=4, linestyle="-", zorder=1
+    )
+    _box(ax, (0.0, 0.385), 0.0, "black")
+    _label(ax, (0.0, 0.475), "frame IMU", size=9)
+
+    height = float(np.mean([centre[1] for centre in centres.values()]))
+    _dimension(
+        ax, centres["left"][0], centres["right"][0], 0.07, height, "$d_c$  between the centres"
+    )
+    _dimension(ax, -half, half, -0.10, 0.0, "$d_p$  track, between the contacts")
+
+    origin = np.array([0.0, 0.83])
+    _arrow(ax, origin, (0.0, 0.24), "black", "$z$", (0.04, 0.0))
+    _arrow(ax, origin, (-0.24, 0.0), "black", "$y$", (0.0, 0.05))
+    ax.plot(*origin, marker="o", markersize=9, mfc="white", mec="black")
+    ax.plot(*origin, marker="x", markersize=6, color="black")
+    _label(ax, origin + np.array([0.05, -0.05]), "$x$ (forward)", ha="left")
+    _turn(ax, origin + np.array([0.0, 0.14]), (0.095, 0.03), "$\\dot\\theta$ > 0: to the left")
+    ax.set_xlim(-half - 0.36, half + 0.36)
+    ax.set_ylim(-0.22, 1.13)
+
+
+def _draw_rear_wheel(ax: Axes, geometry: WheelchairGeometry, side: Side) -> FloatArray:
+    """Draw one wheel edge-on with its axle, radius and camber; gives its centre on the screen."""
+    from matplotlib.patches import Arc, Polygon
+
+    sign = side_sign(side)
+    colour = SIDE_COLOURS[side]
+    radius = getattr(geometry.wheel_radius_m, side)
+    centre = _rear(geometry.wheel_centre(side))
+    axle = _rear(geometry.axle_direction(side))
+    contact = np.array([-sign * geometry.track_m / 2, 0.0])
+    along = (centre - contact) / radius
+    top = contact + 2 * radius * along
+    thick = 0.018 * axle
+    outline = [contact - thick, contact + thick, top + thick, top - thick]
+    ax.add_patch(Polygon(outline, facecolor="#D9D9D9", edgecolor="#8A8A8A", zorder=2))
+    ax.plot(*np.transpose([contact, centre]), color=colour, linewidth=2, linestyle="-", zorder=3)
+    name = side[0].upper()
+    _label(
+        ax,
+        (contact + centre) / 2 - 0.045 * sign * axle,
+        f"$r_{name}$",
+        colour,
+    )
+    ax.plot(*centre, marker="o", color=colour, zorder=4)
+    ax.plot(*contact, marker="^", color=colour, markersize=7, zorder=4)
+    # The angle between the vertical and the wheel.
+    vertical = contact + np.array([0, 2.2 * radius])
+    ax.plot(*np.transpose([contact, vertical]), color="#555555", linewidth=1, linestyle=(0, (4, 3)))
+    degrees = np.rad2deg(geometry.camber_rad)
+    start = 90 - degrees if sign > 0 else 90
+    size = 3.5 * radius
+    ax.add_patch(Arc(contact, size, size, theta1=start, theta2=start + degrees, color="#333333"))
+    half = np.pi / 2 - sign * geometry.camber_rad / 2
+    _label(ax, contact + 1.90 * radius * np.array([np.cos(half), np.sin(half)]), r"$\alpha$")
+    # The sensor sits on the wheel, the axle comes out of its centre.
+    _box(ax, centre + 0.10 * along, float(np.rad2deg(np.arctan2(*along[::-1]))), colour)
+    _arrow(ax, centre, 0.26 * axle, colour, f"axle$_{name}$, $z_{{wheel}}$", None, width=2.2)
+    end = centre + 0.26 * axle
+    _label(
+        ax, end + np.array([0.0, 0.055 if sign > 0 else -0.055]), f"axle, {side}", colour, size=9
+    )
+    return centre
+
+
+def _draw_top(ax: Axes, geometry: WheelchairGeometry) -> None:
+    """Draw the view from above: screen up is x, screen left is y."""
+    from matplotlib.patches import Ellipse, Rectangle
+
+    ax.set_title("From above: x forward, y left, z out of the page")
+    ax.add_patch(Rectangle((-0.20, -0.10), 0.40, 0.42, **BODY))
+    ax.add_patch(Rectangle((-0.20, -0.14), 0.40, 0.05, **BODY))
+    for y in (-0.17, 0.17):
+        ax.add_patch(Rectangle((-y - 0.015, 0.40), 0.03, 0.12, facecolor="#8A8A8A"))
+        ax.plot([-y, -y], [0.32, 0.42], color="#9A9A9A", linewidth=3, linestyle="-", zorder=0)
+    sides: tuple[Side, Side] = ("left", "right")
+    for side in sides:
+        colour = SIDE_COLOURS[side]
+        centre = geometry.wheel_centre(side)
+        radius = getattr(geometry.wheel_radius_m, side)
+        width = max(2 * radius * np.sin(geometry.camber_rad), 0.03)
+        ax.add_patch(
+            Ellipse(
+                (-centre[1], 0),
+                width,
+                2 * radius,
+                facecolor="#D9D9D9",
+                edgecolor="#8A8A8A",
+                alpha=0.75,
+            )
+        )
+        ax.plot(-centre[1], 0, marker="o", color=colour, zorder=4)
+        contact = -side_sign(side) * geometry.track_m / 2
+        ax.plot(contact, 0, marker="^", color=colour, markersize=7, zorder=4)
+        _label(ax, (-centre[1], -radius - 0.05), f"{side} wheel", colour, size=9)
+    _box(ax, (0.0, 0.16), 90.0, "black")
+    _label(ax, (0.04, 0.20), "frame IMU", ha="left", size=9)
+
+    # The centre of rotation lies on the line through the wheels.
+    turn = -0.86
+    ax.plot([turn, 0], [0, 0], color="#555555", linewidth=1.2, linestyle=(0, (4, 3)), zorder=3)
+    ax.plot(turn, 0, marker="P", color=YAW, markersize=8)
+    _label(ax, (turn, -0.06), "centre of\nthe turn", YAW, va="top", size=9)
+    _label(ax, (turn * 0.78, 0.06), r"$R = |V_x / \dot\theta|$", YAW)
+    angles = np.linspace(-0.30, 0.70, 60)
+    path = np.column_stack([turn - turn * np.cos(angles), -turn * np.sin(angles)])
+    ax.plot(*path.T, color=YAW, linewidth=1.4, linestyle=":", zorder=3)
+
+    _arrow(ax, (0, 0), (0, 0.74), "black", "$x$, $V_x$", (0.10, 0.0), width=2.2)
+    _arrow(ax, (0, 0), (-0.30, 0), "black", "$y$", (0.0, 0.05))
+    ax.plot(0, 0, marker="o", markersize=9, mfc="white", mec="black", zorder=6)
+    ax.plot(0, 0, marker="o", markersize=3, color="black", zorder=7)
+    _label(ax, (0.04, -0.05), "$z$", ha="left")
+    _turn(ax, (0.0, 0.0), (0.15, 0.15), None, start=-60, stop=60)
+    _label(ax, (0.20, 0.08), r"$\dot\theta$", YAW, ha="left")
+    ax.set_xlim(-1.03, 0.56)
+    ax.set_ylim(-0.46, 0.86)
+
+
+def _rear(vector: FloatArray) -> FloatArray:
+    """Place of a vector of the chair frame on the screen, seen from behind."""
+    return np.array([-vector[1], vector[2]])
+
+
+def _arrow(
+    ax: Axes,
+    start: ArrayLike,
+    vector: ArrayLike,
+    colour: str,
+    text: str,
+    shift: tuple[float, float] | None,
+    width: float = 1.8,
+) -> None:
+    foot, along = np.asarray(start, float), np.asarray(vector, float)
+    ax.annotate(
+        "",
+        xy=foot + along,
+        xytext=foot,
+        arrowprops={
+            "arrowstyle": "-|>,head_length=0.5,head_width=0.22",
+            "color": colour,
+            "linewidth": width,
+            "shrinkA": 0,
+            "shrinkB": 0,
+        },
+        zorder=5,
+    )
+    if shift is not None:
+        _label(ax, foot + along + shift, text, colour)
+
+
+def _turn(
+    ax: Axes,
+    centre: ArrayLike,
+    size: tuple[float, float],
+    text: str | None,
+    start: float = 200,
+    stop: float = 500,
+) -> None:
+    """Draw a round arrow, counter-clockwise seen from above."""
+    middle = np.asarray(centre, float)
+    angles = np.deg2rad(np.linspace(start, stop, 60))
+    curve = middle + np.column_stack([size[0] * np.cos(angles), size[1] * np.sin(angles)])
+    ax.plot(*curve.T, color=YAW, linewidth=1.8, linestyle="-", zorder=6)
+    ax.annotate(
+        "",
+        xy=curve[-1],
+        xytext=curve[-4],
+        arrowprops={
+            "arrowstyle": "-|>,head_length=0.5,head_width=0.22",
+            "color": YAW,
+            "shrinkA": 0,
+            "shrinkB": 0,
+        },
+        zorder=6,
+    )
+    if text is not None:
+        _label(ax, middle + np.array([size[0] + 0.03, 0.0]), text, YAW, ha="left")
+
+
+def _dimension(ax: Axes, left: float, right: float, y: float, foot: float, text: str) -> None:
+    """Draw a length between two places, with thin lines up to what it measures."""
+    for x in (left, right):
+        ax.plot([x, x], [y, foot], color="#777777", linewidth=0.8, linestyle="-", zorder=1)
+    ax.annotate(
+        "",
+        xy=(right, y),
+        xytext=(left, y),
+        arrowprops={"arrowstyle": "<|-|>", "color": "#333333", "shrinkA": 0, "shrinkB": 0},
+    )
+    _label(ax, ((left + right) / 2, y), text)
+
+
+def _box(ax: Axes, centre: ArrayLike, angle_deg: float, colour: str) -> None:
+    """Draw a sensor: a small box, long side along the angle."""
+    from matplotlib.patches import Rectangle
+
+    x, y = np.asarray(centre, float)
+    ax.add_patch(
+        Rectangle(
+            (x - 0.035, y - 0.02),
+            0.07,
+            0.04,
+            angle=angle_deg,
+            rotation_point="center",
+            facecolor="white",
+            edgecolor=colour,
+            linewidth=1.6,
+            zorder=5,
+        )
+    )
+
+
+def _label(
+    ax: Axes,
+    place: ArrayLike,
+    text: str,
+    colour: str = "black",
+    *,
+    ha: str = "center",
+    va: str = "center",
+    size: int = 11,
+) -> None:
+    x, y = np.asarray(place, float)
+    ax.text(x, y, text, color=colour, ha=ha, va=va, fontsize=size, bbox=PAPER, zorder=8)
