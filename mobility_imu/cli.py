@@ -6,6 +6,7 @@ what, and no output file is left behind.
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 import sys
@@ -15,7 +16,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
@@ -24,6 +25,12 @@ from mobility_imu.errors import InputError, MobilityImuError
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from mobility_imu.frames import FloatArray
+    from mobility_imu.recording import Recording
+    from mobility_imu.scooter import ScooterGeometry
+    from mobility_imu.scooter.calibration import ScooterMounting
+    from mobility_imu.scooter.fusion import FusedAngles
 
 app = typer.Typer(
     name="mobility-imu",
@@ -44,6 +51,7 @@ class Method(StrEnum):
     """How scooter angles are estimated."""
 
     closed_form = "closed-form"
+    fusion = "fusion"
 
 
 class Form(StrEnum):
@@ -102,76 +110,219 @@ def common(
 @scooter_app.command("angles")
 def scooter_angles(
     recording: Annotated[Path, typer.Argument(help="CSV with sensors 'lever' and 'body'.")],
-    geometry: Annotated[Path, typer.Option(help="TOML with a section [scooter].")],
+    geometry: Annotated[
+        Path, typer.Option(help="TOML with [scooter]; with [scooter.mount], that is applied.")
+    ],
     output: Output,
     single_imu: Annotated[
         bool, typer.Option("--single-imu", help="Use the lever's IMU alone (level ground).")
     ] = False,
-    method: Annotated[Method, typer.Option(help="Estimator.")] = Method.closed_form,
+    method: Annotated[
+        Method, typer.Option(help="Closed form, or gyroscopes as well (filter and smoother).")
+    ] = Method.closed_form,
     form: Annotated[
         Form, typer.Option(help="Closed form: all three axes, or eqs 6 and 7 as printed.")
     ] = Form.three_axis,
     median_window: Annotated[
-        int, typer.Option(help="Samples of the running median, odd; 1 for none.")
+        int, typer.Option(help="Closed form: samples of the running median, odd; 1 for none.")
     ] = 25,
     acc_noise_mps2: Annotated[
         float | None,
         typer.Option(
-            help="Noise (1 sd, per axis, after the median) of each accelerometer, m/s².", min=0
+            help="Noise (1 sd, per axis) of each accelerometer, m/s²; closed form: after the "
+            "median. Fusion takes it from the recording if it is not given.",
+            min=0,
         ),
     ] = None,
+    causal: Annotated[
+        bool, typer.Option("--causal", help="Fusion: use the past only, no smoother.")
+    ] = False,
     fill_gaps_s: FillGaps = 0.0,
 ) -> None:
     """Steering and throttle angles from one or two IMUs (Suzurikawa et al. 2022).
 
-    The columns steering_sd_deg and throttle_sd_deg stay empty unless --acc-noise-mps2 is given.
+    With the closed form the columns steering_sd_deg and throttle_sd_deg stay empty unless
+    --acc-noise-mps2 is given.
     """
     import numpy as np
     import pandas as pd
 
-    from mobility_imu.filters import median_filter
     from mobility_imu.readers import read_recording
-    from mobility_imu.scooter import ScooterGeometry, estimate_angles
-    from mobility_imu.scooter.angles import angle_standard_deviations
+    from mobility_imu.recording import frozen_samples, saturated_samples
+    from mobility_imu.scooter import ScooterGeometry
+    from mobility_imu.scooter.calibration import read_mounting
 
-    del method  # one estimator so far
     scooter = ScooterGeometry.from_toml(geometry)
-    rides = read_recording(recording, fill_gaps_s=fill_gaps_s)
-    lever = median_filter(rides.sensor("lever").acc_mps2, median_window)
-    body = None
-    if not single_imu:
-        if "body" not in rides.sensors:
-            raise InputError(
-                f"{recording}: no sensor 'body'; with the lever's IMU alone give --single-imu"
-            )
-        body = median_filter(rides.sensor("body").acc_mps2, median_window)
+    mounting = read_mounting(geometry)
+    ride = read_recording(recording, fill_gaps_s=fill_gaps_s)
+    names = ["lever"] if single_imu else ["lever", "body"]
+    if not single_imu and "body" not in ride.sensors:
+        raise InputError(
+            f"{recording}: no sensor 'body'; with the lever's IMU alone give --single-imu"
+        )
+    if method is Method.fusion and single_imu:
+        raise InputError("--method fusion needs both IMUs: it cannot be had with --single-imu")
+    usable = np.ones(len(ride), bool)
+    for name in names:
+        acc = ride.sensor(name).acc_mps2
+        for what, bad in (
+            ("is frozen", frozen_samples(acc, ride.sampling_rate_hz)),
+            ("is saturated", saturated_samples(acc)),
+        ):
+            if bad.any():
+                warnings.warn(
+                    f"{recording}: {name}_acc {what} in {int(bad.sum())} samples, first at "
+                    f"{ride.time_s[np.argmax(bad)]:g} s; they are marked as not valid",
+                    stacklevel=1,
+                )
+                usable &= ~bad
     try:
-        angles = estimate_angles(lever, body, scooter, form=form.value)
+        angles: tuple[Any, ...]
+        if method is Method.fusion:
+            angles = _fused(ride, scooter, mounting, acc_noise_mps2, causal)
+        else:
+            angles = _closed_form(
+                ride, scooter, mounting, names, form, median_window, acc_noise_mps2
+            )
     except InputError as error:
         raise InputError(f"{recording}: {error}") from None
-    sd = np.full((2, len(rides)), np.nan)
-    if acc_noise_mps2 is not None:
-        sd = np.asarray(
-            angle_standard_deviations(
-                lever,
-                angles.steering_rad,
-                angles.throttle_rad,
-                scooter,
-                lever_sd_mps2=acc_noise_mps2,
-                body_sd_mps2=0.0 if single_imu else acc_noise_mps2,
-            )
-        )
+    steering, throttle, steering_sd, throttle_sd, valid = angles
     table = pd.DataFrame(
         {
-            "time_s": rides.time_s,
-            "steering_deg": np.rad2deg(angles.steering_rad),
-            "throttle_deg": np.rad2deg(angles.throttle_rad),
-            "steering_sd_deg": np.rad2deg(sd[0]),
-            "throttle_sd_deg": np.rad2deg(sd[1]),
-            "valid": angles.valid.astype(int),
+            "time_s": ride.time_s,
+            "steering_deg": np.rad2deg(steering),
+            "throttle_deg": np.rad2deg(throttle),
+            "steering_sd_deg": np.rad2deg(steering_sd),
+            "throttle_sd_deg": np.rad2deg(throttle_sd),
+            "valid": (valid & usable).astype(int),
         }
     )
     _write_tables({output: table})
+
+
+def _closed_form(
+    ride: Recording,
+    scooter: ScooterGeometry,
+    mounting: ScooterMounting | None,
+    names: list[str],
+    form: Form,
+    median_window: int,
+    acc_noise_mps2: float | None,
+) -> tuple[Any, ...]:
+    import numpy as np
+
+    from mobility_imu.filters import median_filter
+    from mobility_imu.scooter import estimate_angles
+    from mobility_imu.scooter.angles import angle_standard_deviations
+
+    span = median_window / ride.sampling_rate_hz
+    if median_window > 1 and not 0.2 <= span <= 0.3:
+        odd = 2 * round(0.25 * ride.sampling_rate_hz / 2 - 0.5) + 1
+        warnings.warn(
+            f"a median of {median_window} samples is {span:.3g} s long at "
+            f"{ride.sampling_rate_hz:g} Hz, the paper's is 0.25 s: --median-window {odd} would be",
+            stacklevel=1,
+        )
+    acc = {name: median_filter(ride.sensor(name).acc_mps2, median_window) for name in names}
+    lever, body = acc["lever"], acc.get("body")
+    if mounting is not None:
+        lever, body = mounting.lever(lever), None if body is None else mounting.body(body)
+    angles = estimate_angles(lever, body, scooter, form=form.value)
+    sd: tuple[FloatArray, ...] = (np.full(len(ride), np.nan),) * 2
+    if acc_noise_mps2 is not None:
+        sd = angle_standard_deviations(
+            lever,
+            angles.steering_rad,
+            angles.throttle_rad,
+            scooter,
+            lever_sd_mps2=acc_noise_mps2,
+            body_sd_mps2=0.0 if body is None else acc_noise_mps2,
+        )
+    return angles.steering_rad, angles.throttle_rad, *sd, angles.valid
+
+
+def _fused(
+    ride: Recording,
+    scooter: ScooterGeometry,
+    mounting: ScooterMounting | None,
+    acc_noise_mps2: float | None,
+    causal: bool,
+) -> FusedAngles:
+    import numpy as np
+
+    from mobility_imu.scooter.fusion import FusionSettings, fuse_angles
+
+    lever, body = ride.sensor("lever", gyroscope=True), ride.sensor("body", gyroscope=True)
+    lever_acc, lever_gyr = lever.acc_mps2, np.asarray(lever.gyr_radps)
+    body_acc, body_gyr = body.acc_mps2, np.asarray(body.gyr_radps)
+    if mounting is not None:
+        lever_acc, lever_gyr = mounting.lever(lever_acc), mounting.lever(lever_gyr)
+        body_acc, body_gyr = mounting.body(body_acc), mounting.body(body_gyr)
+    return fuse_angles(
+        lever_acc,
+        lever_gyr,
+        body_acc,
+        body_gyr,
+        ride.sampling_rate_hz,
+        scooter,
+        # The filter's noise is that of the difference of both sensors.
+        FusionSettings(acc_sd_mps2=None if acc_noise_mps2 is None else acc_noise_mps2 * 2**0.5),
+        smooth=not causal,
+    )
+
+
+@scooter_app.command("calibrate")
+def scooter_calibrate(
+    parked: Annotated[
+        list[Path], typer.Argument(help="Parked recordings, one per place; two places or more.")
+    ],
+    geometry: Annotated[Path, typer.Option(help="TOML with a section [scooter].")],
+    poses: Annotated[
+        Path, typer.Option(help="CSV steering_deg,throttle_deg: the poses, in order.")
+    ],
+    output: Output,
+) -> None:
+    """How both IMUs are mounted, from parked poses with the controls at their stops.
+
+    Park, move the controls through the poses, hold each for two seconds. Do it on level ground and
+    on a ramp: level ground alone does not show a turn of the body's IMU about the vertical.
+    """
+    import numpy as np
+
+    from mobility_imu.readers import read_recording
+    from mobility_imu.readers.table import parse_numbers, pick_columns, read_text
+    from mobility_imu.scooter import ScooterGeometry
+    from mobility_imu.scooter.calibration import calibrate_mounting, parked_poses
+
+    scooter = ScooterGeometry.from_toml(geometry)
+    header, values = parse_numbers(read_text(poses), separator=",", source=str(poses))
+    columns = pick_columns(header, values, ["steering_deg", "throttle_deg"], str(poses))
+    if not np.isfinite(columns).all():
+        raise InputError(f"{poses}: an angle is missing")
+    settings = [(float(s), float(t)) for s, t in np.deg2rad(columns)]
+    found = [pose for path in parked for pose in parked_poses(read_recording(path), settings)]
+    mounting = calibrate_mounting(found, scooter)
+    for name in mounting.unseen:
+        warnings.warn(
+            f"the poses tell little of the turn of the {name}: park at another slope as well",
+            stacklevel=1,
+        )
+    matrices = {
+        key: [[round(float(v), 6) for v in row] for row in getattr(mounting, key)]
+        for key in ("rotation_lever_imu_to_lever", "rotation_body_imu_to_body")
+    }
+    sd = ", ".join(f"{value:.2f}" for value in np.rad2deg(mounting.sd_rad))
+    lines = [
+        "[scooter]",
+        f"steering_inclination_deg = {np.rad2deg(scooter.steering_inclination_rad):.6g}",
+        f"lever_inclination_deg = {np.rad2deg(scooter.lever_inclination_rad):.6g}",
+        "",
+        "[scooter.mount]",
+        f"# sd in deg about x, y, z of the lever's, then the body's IMU: {sd}",
+        *(f"{key} = {value}" for key, value in matrices.items()),
+    ]
+    with _new_file(output) as unfinished:
+        unfinished.write_text("\n".join(lines) + "\n")
 
 
 @wheelchair_app.command("velocity")
@@ -278,6 +429,57 @@ def wheelchair_tasks(
         _write_tables({output: table})
 
 
+@simulate_app.command("scooter")
+def simulate_scooter(
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write into.")],
+    seed: Annotated[int, typer.Option(help="The same seed gives the same bytes.")],
+    course: Annotated[
+        str, typer.Option(help="straight, curves, slopes, side or tactile.")
+    ] = "curves",
+) -> None:
+    """A scooter drawn from the seed: a ride, two parked recordings, truth and reference."""
+    import numpy as np
+    import pandas as pd
+
+    from mobility_imu.simulation.scooter import (
+        COURSES,
+        draw_driver,
+        draw_scooter,
+        simulate_parked,
+        simulate_ride,
+    )
+
+    if course not in COURSES:
+        raise InputError(f"--course {course}: expected one of {', '.join(COURSES)}")
+    unit = draw_scooter(seed)
+    ride = simulate_ride(COURSES[course], seed=seed, unit=unit, driver=draw_driver(seed))
+    poses = np.array([(50, 0), (50, 40), (0, 40), (0, 0), (-50, 0), (-50, 40)], float)
+    settings = [(float(s), float(t)) for s, t in np.deg2rad(poses)]
+    output.mkdir(parents=True, exist_ok=True)
+    tables = {
+        output / "ride.csv.gz": ride.recording.to_frame(),
+        output / "truth.csv.gz": ride.truth(),
+        output / "reference.csv.gz": pd.DataFrame(
+            {
+                "time_s": ride.reference_time_s,
+                "steering_deg": np.rad2deg(ride.reference[:, 0]),
+                "throttle_deg": np.rad2deg(ride.reference[:, 1]),
+            }
+        ),
+        output / "poses.csv": pd.DataFrame(poses, columns=["steering_deg", "throttle_deg"]),
+    }
+    for k, (place, pitch) in enumerate((("level", 0.0), ("ramp", np.deg2rad(5)))):
+        parked = simulate_parked(
+            settings, pitch_rad=pitch, bank_rad=0, seed=10 * seed + k, unit=unit
+        )
+        tables[output / f"parked_{place}.csv.gz"] = parked.to_frame()
+    with _new_file(output / "geometry.toml") as unfinished:
+        unfinished.write_text(
+            "[scooter]\nsteering_inclination_deg = 20.0\nlever_inclination_deg = 9.0\n"
+        )
+        _write_tables(tables)
+
+
 @simulate_app.command("wheelchair")
 def simulate_wheelchair(
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write into.")],
@@ -357,9 +559,9 @@ def _write_tables(tables: dict[Path, pd.DataFrame]) -> None:
     if not tables:
         return
     path, table = next(iter(tables.items()))
-    packing = {"method": "gzip", "mtime": 0} if path.suffix == ".gz" else None
     with _new_file(path) as unfinished:
-        table.to_csv(unfinished, index=False, float_format="%.6f", compression=packing)
+        text = table.to_csv(index=False, float_format="%.6f").encode()
+        unfinished.write_bytes(gzip.compress(text, mtime=0) if path.suffix == ".gz" else text)
         _write_tables({other: tables[other] for other in tables if other != path})
 
 

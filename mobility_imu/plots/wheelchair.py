@@ -169,12 +169,12 @@ def _clock_axis(ax: Axes, duration_s: float) -> None:
     ax.set_xlabel("time, min:s")
 
 
-def draw_frames(geometry: WheelchairGeometry) -> Figure:
+def draw_frames(geometry: WheelchairGeometry | None = None) -> Figure:
     """Draw the chair from behind and from above, with its frame, axles, lengths and angles.
 
     Parameters
     ----------
-    geometry : WheelchairGeometry
+    geometry : WheelchairGeometry to draw to scale; the chair of WheelMove-ID's sample if None
 
     Returns
     -------
@@ -182,6 +182,10 @@ def draw_frames(geometry: WheelchairGeometry) -> Figure:
     """
     import matplotlib.pyplot as plt
 
+    if geometry is None:
+        geometry = WheelchairGeometry.from_degrees(
+            19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
+        )
     with use_style():
         figure, (rear, top) = plt.subplots(1, 2, figsize=(9.8, 4.8), width_ratios=[1.22, 1])
         _draw_rear(rear, geometry)
@@ -264,7 +268,7 @@ def _draw_rear_wheel(ax: Axes, geometry: WheelchairGeometry, side: Side) -> Floa
     _label(ax, contact + 1.90 * radius * np.array([np.cos(half), np.sin(half)]), r"$\alpha$")
     # The sensor sits on the wheel, the axle comes out of its centre.
     _box(ax, centre + 0.10 * along, float(np.rad2deg(np.arctan2(*along[::-1]))), colour)
-    _arrow(ax, centre, 0.26 * axle, colour, f"axle$_{name}$, $z_{{wheel}}$", None, width=2.2)
+    _arrow(ax, centre, 0.26 * axle, colour, "", None, width=2.2)
     end = centre + 0.26 * axle
     _label(
         ax, end + np.array([0.0, 0.055 if sign > 0 else -0.055]), f"axle, {side}", colour, size=9

@@ -9,6 +9,7 @@ from; all were fixed before the first comparison with the paper.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
@@ -17,6 +18,7 @@ import numpy as np
 from scipy import interpolate, ndimage, signal
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.recording import Recording
 from mobility_imu.rotations import elementary_rotation
@@ -140,19 +142,23 @@ class Ground:
     ----------
     roughness_m : sd of the height under each wheel
     roughness_length_m : shortest length of a bump
-    tactile_m : sd of the height on tactile paving, a sine of tactile_pitch_m
-    grade_sd_rad, bank_sd_rad : slow slopes of a floor that is called flat, drawn per run
+    tactile_m : sd of the height on tactile paving, a sine
+    tactile_pitch_m : its length, drawn per run between these two (JIS T 9251: dots every 55 to
+        60 mm). Whether the scooter heaves or pitches on them depends on how many fit into the
+        wheelbase, which we do not know either; with one fixed length it would be an accident.
+    grade_sd_rad, bank_sd_rad : slope of a floor that is called flat, along and across the start,
+        drawn per run; it stays where it is when the scooter turns
     """
 
     roughness_m: float = 0.4e-3
     roughness_length_m: float = 0.08
     tactile_m: float = 0.2e-3
-    tactile_pitch_m: float = 0.06
+    tactile_pitch_m: tuple[float, float] = (0.055, 0.060)
     grade_sd_rad: float = _deg(0.3)
     bank_sd_rad: float = _deg(0.6)
 
 
-SMOOTH_GROUND = Ground(0.0, 0.08, 0.0, 0.06, 0.0, 0.0)
+SMOOTH_GROUND = Ground(0.0, 0.08, 0.0, (0.055, 0.060), 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -329,7 +335,17 @@ def simulate_ride(
     Returns
     -------
     SimulatedRide
+
+    Raises
+    ------
+    InputError
+        If the sensor loses samples or jitters.
     """
+    if sensor.dropped_share > 0 or sensor.clock_jitter_s > 0:
+        raise InputError(
+            "sensor: lost samples and jitter differ between the two IMUs of a ride, whose samples "
+            "are paired here; expected dropped_share = 0 and clock_jitter_s = 0"
+        )
     unit, driver, layout = unit or ScooterUnit(), driver or Driver(), layout or Layout()
     ground, shaking = ground or Ground(), shaking or Shaking()
     reference = reference or Reference()
@@ -398,15 +414,16 @@ def _drive(
     dt = 1 / DRIVER_HZ
     longest = round((course.length_m / SPEED_LIMIT_MPS * 2.5 + 10) * DRIVER_HZ)
     # Slow wandering of both hands: white noise through a first-order lag of 0.7 s.
-    keep = np.exp(-dt / 0.7)
+    keep = math.exp(-dt / 0.7)
     wander = signal.lfilter(
         [np.sqrt(1 - keep**2)], [1, -keep], rng.standard_normal((longest, 2)), axis=0
     )
     wander = (driver.hand_noise_rad * wander).tolist()
     omega = 2 * np.pi * driver.arm_hz
-    project = float(np.cos(geometry.steering_inclination_rad))
+    project = math.cos(geometry.steering_inclination_rad)
     x = y = heading = speed = distance = 0.0
     steering = throttle = steering_rate = throttle_rate = 0.0
+    full_speed_rad = _deg(30)
     log = []
     rest = round(1.0 * DRIVER_HZ)  # the controls stay put for a second before and after
     after = 0
@@ -429,9 +446,9 @@ def _drive(
                 ahead_index += 1
             dx, dy = points[ahead_index][0] - x, points[ahead_index][1] - y
             # Lateral offset of that point in the body's axes (forward is y at heading 0).
-            left = -dx * np.cos(heading) - dy * np.sin(heading)
-            front = np.arctan(2 * layout.wheelbase_m * left / (dx * dx + dy * dy))
-            goal_steering = np.arctan(np.tan(front) / project) + wander[k][0]
+            left = -dx * math.cos(heading) - dy * math.sin(heading)
+            front = math.atan(2 * layout.wheelbase_m * left / (dx * dx + dy * dy))
+            goal_steering = math.atan(math.tan(front) / project) + wander[k][0]
         elif k >= rest:
             goal_steering = steering if after else 0.5 * steering
         goal_throttle = max(driver.throttle_rad + wander[k][1], 0.0) if moving else 0.0
@@ -444,13 +461,13 @@ def _drive(
         if throttle < 0:
             throttle, throttle_rate = 0.0, max(throttle_rate, 0.0)
         # The controller follows the lever with a ramp, up to the limit set by the knob.
-        goal_speed = SPEED_LIMIT_MPS * min(throttle / _deg(30), 1.0)
+        goal_speed = SPEED_LIMIT_MPS * min(throttle / full_speed_rad, 1.0)
         change = min(max((goal_speed - speed) / 0.35, -1.2), 0.8)
         speed = max(speed + dt * change, 0.0)
-        front = np.arctan(np.tan(steering) * project)
-        heading += dt * speed * np.tan(front) / layout.wheelbase_m
-        x -= dt * speed * np.sin(heading)
-        y += dt * speed * np.cos(heading)
+        front = math.atan(math.tan(steering) * project)
+        heading += dt * speed * math.tan(front) / layout.wheelbase_m
+        x -= dt * speed * math.sin(heading)
+        y += dt * speed * math.cos(heading)
         distance += dt * speed
     table = np.array(log)
     return _Motion(
@@ -497,9 +514,13 @@ def _pose(
     s = fast.distance_m
     grade = _level_at(course, s, "grade_rad", course.transition_m)
     bank = _level_at(course, s, "bank_rad", course.transition_m)
-    grade = grade + ground.grade_sd_rad * rng.standard_normal()
-    bank = bank + ground.bank_sd_rad * rng.standard_normal()
-    lines = [_ground_line(course, layout, ground, rng) for _ in range(2)]  # left, right wheels
+    along = ground.grade_sd_rad * rng.standard_normal()
+    across = ground.bank_sd_rad * rng.standard_normal()
+    cos, sin = np.cos(fast.heading_rad), np.sin(fast.heading_rad)
+    grade = grade + along * cos - across * sin
+    bank = bank + across * cos + along * sin
+    pitch_m = rng.uniform(*ground.tactile_pitch_m)
+    lines = [_ground_line(course, layout, ground, pitch_m, rng) for _ in range(2)]  # left, right
     rear = np.stack([line(s) for line in lines])
     front = np.stack([line(s + layout.wheelbase_m) for line in lines])
     pitch = grade + (front.mean(axis=0) - rear.mean(axis=0)) / layout.wheelbase_m
@@ -520,7 +541,7 @@ def _pose(
 
 
 def _ground_line(
-    course: Course, layout: Layout, ground: Ground, rng: np.random.Generator
+    course: Course, layout: Layout, ground: Ground, tactile_pitch_m: float, rng: np.random.Generator
 ) -> Callable[[FloatArray], FloatArray]:
     """Height along one wheel track, as the tyre follows it."""
     grid = np.arange(-0.5, course.length_m + layout.wheelbase_m + 4, 0.005)
@@ -529,7 +550,7 @@ def _ground_line(
     )
     rough *= ground.roughness_m / rough.std()
     tactile = _level_at(course, grid, "tactile", 0.2)
-    bumps = np.sqrt(2) * ground.tactile_m * np.sin(2 * np.pi * grid / ground.tactile_pitch_m)
+    bumps = np.sqrt(2) * ground.tactile_m * np.sin(2 * np.pi * grid / tactile_pitch_m)
     return interpolate.CubicSpline(grid, rough + tactile * bumps)
 
 
@@ -559,7 +580,18 @@ def _second_derivative(values: FloatArray, dt: float) -> FloatArray:
 
 def _rates(axes: FloatArray, dt: float) -> FloatArray:
     """Angular rate in the sensor's axes from its orientation, centred differences."""
-    turns = Rotation.from_matrix(np.swapaxes(axes[:-1], 1, 2) @ axes[1:]).as_rotvec() / dt
+    step = np.swapaxes(axes[:-1], 1, 2) @ axes[1:]
+    # Rodrigues: the skew part of a rotation matrix is sin(angle) times its axis.
+    skew = np.stack(
+        [
+            step[:, 2, 1] - step[:, 1, 2],
+            step[:, 0, 2] - step[:, 2, 0],
+            step[:, 1, 0] - step[:, 0, 1],
+        ],
+        axis=1,
+    )
+    sine = np.linalg.norm(skew, axis=1, keepdims=True) / 2
+    turns = skew / 2 / np.sinc(np.arcsin(np.minimum(sine, 1)) / np.pi) / dt
     return np.concatenate([turns[:1], (turns[1:] + turns[:-1]) / 2, turns[-1:]])
 
 
@@ -604,7 +636,8 @@ def _reference(
             wire = np.round(wire / reference.resolution_m) * reference.resolution_m
         wires.append(wire / reference.disk_radius_m)
     between = 2 * np.pi * reference.wheel_radius_m / reference.wheel_magnets
-    marks = np.arange(between, fast.distance_m[-1], between)
+    first = between * (1 - rng.random())  # the wheel stands somewhere
+    marks = np.arange(first, fast.distance_m[-1], between)
     pulses = np.interp(marks, fast.distance_m, fast.time_s)
     # The logger sees a pulse at its next sample; the analyser of the bus stamps milliseconds.
     seen = np.ceil((pulses + offset) * sampling_rate_hz) / sampling_rate_hz
@@ -620,3 +653,73 @@ def _with_play(angle: FloatArray, width: float) -> FloatArray:
         follower = min(max(follower, value - half), value + half)
         out.append(follower)
     return np.array(out)
+
+
+def simulate_parked(
+    settings_rad: list[tuple[float, float]],
+    *,
+    pitch_rad: float,
+    bank_rad: float,
+    seed: int,
+    geometry: ScooterGeometry = SUZUKI_ET4D,
+    unit: ScooterUnit | None = None,
+    sensor: SensorModel = LPMS_CU2,
+    stop_sd_rad: float = _deg(0.5),
+    sampling_rate_hz: float = 100.0,
+) -> Recording:
+    """Stand parked at one attitude and move the controls from pose to pose.
+
+    Parameters
+    ----------
+    settings_rad : (steering, throttle) of each pose, rad, as the user believes them
+    pitch_rad, bank_rad : rad, nose up and right side up
+    seed : of the noise, and of how far the real stops are from what is believed
+    geometry, unit, sensor : as in :func:`simulate_ride`
+    stop_sd_rad : rad, that error; one for each different steering and throttle angle
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    Recording of ``lever`` and ``body``; each pose is held for 2 s, each change takes 1 s
+    """
+    unit = unit or ScooterUnit()
+    rng = np.random.default_rng([seed, 14])
+    believed = np.array(settings_rad, float)
+    real = believed.copy()
+    for control in range(2):
+        for value in np.unique(believed[:, control]):
+            real[believed[:, control] == value, control] += stop_sd_rad * rng.standard_normal()
+    time_s = np.arange(0, 3.0 * len(real) - 1.0, 1 / FAST_HZ)
+    u = np.clip(time_s[:, None] - 3.0 * np.arange(1, len(real)) + 1.0, 0, 1)
+    moved = (u**3 * (10 - 15 * u + 6 * u**2)) @ np.diff(real, axis=0)
+    steering, throttle = (real[0] + moved).T
+    still = np.zeros(len(time_s))
+    motion = _Motion(time_s, still, still, still, np.zeros((len(time_s), 2)), steering, throttle)
+    place, turn = _lever(motion, geometry, Layout())
+    level = elementary_rotation("x", pitch_rad) @ elementary_rotation("y", -bank_rad)
+    sensors = {}
+    for k, (name, at, axes, tilt) in enumerate(
+        (
+            ("lever", place, turn, unit.lever_mounting),
+            (
+                "body",
+                np.zeros_like(place),
+                np.broadcast_to(np.eye(3), turn.shape),
+                unit.body_mounting,
+            ),
+        )
+    ):
+        world = level @ axes @ Rotation.from_rotvec(tilt).as_matrix()
+        force = _second_derivative(at @ level.T, 1 / FAST_HZ)
+        force[:, 2] += STANDARD_GRAVITY_MPS2
+        output = measure(
+            time_s,
+            np.einsum("nij,ni->nj", world, force),
+            _rates(world, 1 / FAST_HZ),
+            sensor,
+            sampling_rate_hz=sampling_rate_hz,
+            seed=2 * seed + k,
+            unit_seed=2 * unit.unit_seed + k,
+        )
+        sensors[name] = output.imu
+    return Recording(output.time_s, sensors, source="simulated parked scooter")

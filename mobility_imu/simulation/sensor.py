@@ -78,6 +78,10 @@ class SensorModel:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be."""
+        for name in ("g_sensitivity_sd", "clock_rate_sd", "clock_jitter_s"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0):
+                raise InputError(f"{name} = {value}: expected a number that is not negative")
         if not 0 <= self.dropped_share < 1:
             raise InputError(f"dropped_share = {self.dropped_share}: expected from 0 to below 1")
 
@@ -199,7 +203,12 @@ def measure(
         raise InputError(
             f"time_s, acc_mps2, gyr_radps: shapes {clock.shape}, {acc.shape}, {gyr.shape} differ"
         )
+    step = np.diff(clock)
+    if len(clock) < 2 or not (step > 0).all() or np.ptp(step) > 1e-3 * step.mean():
+        raise InputError("time_s: expected at least two times, in even steps")
     fast_hz = (len(clock) - 1) / (clock[-1] - clock[0])
+    if not sampling_rate_hz > 0:
+        raise InputError(f"sampling_rate_hz = {sampling_rate_hz}: expected a positive number")
     if sampling_rate_hz > fast_hz * (1 + 1e-9):
         raise InputError(
             f"sampling_rate_hz = {sampling_rate_hz:g}: faster than the {fast_hz:g} Hz of the input"
