@@ -100,8 +100,8 @@ def test_equation_resolves(entry):
     notebook = ROOT / entry["notebook"]
     text = "".join("".join(cell["source"]) for cell in json.loads(notebook.read_text())["cells"])
     assert name in text, f"{notebook.name} does not use {name}"
-    marks = (f"({entry['number']})", f"tag{{{entry['number']}}}")
-    assert any(mark in text for mark in marks), f"{notebook.name} does not show {marks[0]}"
+    label = f"({entry['work']}-eq-{entry['number']})"
+    assert label in text, f"{notebook.name} does not show the equation under the label {label}"
     path, _, test = entry["test"].partition("::")
     assert f"def {test}(" in (ROOT / path).read_text(), f"no test {entry['test']}"
 

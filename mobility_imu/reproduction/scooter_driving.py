@@ -186,7 +186,7 @@ def _longer_median(ride: _Inputs) -> FloatArray:
     return _paper(ride, "dual", LONGER_WINDOW, "nearest")
 
 
-def _with_gyroscopes(ride: _Inputs) -> tuple[FloatArray, ...]:
+def _with_gyroscopes(ride: _Inputs) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     assert ride.lever.gyr_radps is not None and ride.body.gyr_radps is not None
     return ride.lever.acc_mps2, ride.lever.gyr_radps, ride.body.acc_mps2, ride.body.gyr_radps
 
@@ -451,11 +451,11 @@ def _inputs(
 
 def _durations(angle: str, true_rad: FloatArray, estimate_rad: FloatArray) -> FloatArray:
     edges = DURATION_EDGES_DEG[angle]
-    inside = [
+    true, estimate = (
         np.clip(np.rad2deg(values), edges[0], edges[-1] - 1e-9)
         for values in (true_rad, estimate_rad)
-    ]
-    return np.histogram2d(*inside, bins=[edges, edges])[0] * 0.01  # samples at 100 Hz
+    )
+    return np.histogram2d(true, estimate, bins=(edges, edges))[0] * 0.01  # samples at 100 Hz
 
 
 STATEMENTS = (

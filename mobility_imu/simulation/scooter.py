@@ -9,12 +9,12 @@ from; all were fixed before the first comparison with the paper.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numba import njit
 from scipy import interpolate, ndimage, signal
 from scipy.spatial.transform import Rotation
 
@@ -414,44 +414,59 @@ def _drive(
     dt = 1 / DRIVER_HZ
     longest = round((course.length_m / SPEED_LIMIT_MPS * 2.5 + 10) * DRIVER_HZ)
     # Slow wandering of both hands: white noise through a first-order lag of 0.7 s.
-    keep = math.exp(-dt / 0.7)
+    keep = np.exp(-dt / 0.7)
     wander = signal.lfilter(
         [np.sqrt(1 - keep**2)], [1, -keep], rng.standard_normal((longest, 2)), axis=0
     )
-    wander = (driver.hand_noise_rad * wander).tolist()
-    omega = 2 * np.pi * driver.arm_hz
-    project = math.cos(geometry.steering_inclination_rad)
+    table = _follow(
+        path_s,
+        path,
+        driver.hand_noise_rad * wander,
+        dt,
+        course.length_m - 0.6,
+        driver.look_ahead_m,
+        driver.throttle_rad,
+        2 * np.pi * driver.arm_hz,
+        layout.wheelbase_m,
+        float(np.cos(geometry.steering_inclination_rad)),
+    )
+    return _Motion(
+        table[:, 0], table[:, 1], table[:, 2], table[:, 3], table[:, 4:6], table[:, 6], table[:, 7]
+    )
+
+
+@njit(cache=True)
+def _follow(
+    path_s, path, wander, dt, stop_at, look_ahead, held, omega, wheelbase, project
+):  # fmt: skip
+    """Step driver, speed controller and bicycle, each from where it is now."""
+    full_speed = np.deg2rad(30.0)
+    rest = round(1.0 / dt)  # the controls stay put for a second before and after
+    log = np.empty((len(wander), 8))
     x = y = heading = speed = distance = 0.0
     steering = throttle = steering_rate = throttle_rate = 0.0
-    full_speed_rad = _deg(30)
-    log = []
-    rest = round(1.0 * DRIVER_HZ)  # the controls stay put for a second before and after
-    after = 0
-    ahead_index = 0
-    stop_at = course.length_m - 0.6
-    points, lengths = path.tolist(), path_s.tolist()
-    for k in range(longest):
-        log.append((k * dt, distance, speed, heading, x, y, steering, throttle))
+    after, ahead = 0, 0
+    for k in range(len(wander)):
+        log[k, 0], log[k, 1], log[k, 2], log[k, 3] = k * dt, distance, speed, heading
+        log[k, 4], log[k, 5], log[k, 6], log[k, 7] = x, y, steering, throttle
         moving = k >= rest and distance < stop_at
         if not moving and k > rest:
-            after += speed < 1e-3
+            if speed < 1e-3:
+                after += 1
             if after > rest:
-                break
+                return log[: k + 1]
         goal_steering = 0.0
         if moving:
-            while (
-                ahead_index < len(lengths) - 1
-                and lengths[ahead_index] < distance + driver.look_ahead_m
-            ):
-                ahead_index += 1
-            dx, dy = points[ahead_index][0] - x, points[ahead_index][1] - y
+            while ahead < len(path_s) - 1 and path_s[ahead] < distance + look_ahead:
+                ahead += 1
+            dx, dy = path[ahead, 0] - x, path[ahead, 1] - y
             # Lateral offset of that point in the body's axes (forward is y at heading 0).
-            left = -dx * math.cos(heading) - dy * math.sin(heading)
-            front = math.atan(2 * layout.wheelbase_m * left / (dx * dx + dy * dy))
-            goal_steering = math.atan(math.tan(front) / project) + wander[k][0]
+            left = -dx * np.cos(heading) - dy * np.sin(heading)
+            front = np.arctan(2 * wheelbase * left / (dx * dx + dy * dy))
+            goal_steering = np.arctan(np.tan(front) / project) + wander[k, 0]
         elif k >= rest:
-            goal_steering = steering if after else 0.5 * steering
-        goal_throttle = max(driver.throttle_rad + wander[k][1], 0.0) if moving else 0.0
+            goal_steering = steering if after > 0 else 0.5 * steering
+        goal_throttle = max(held + wander[k, 1], 0.0) if moving else 0.0
         goal_steering = min(max(goal_steering, -LARGEST_STEERING_RAD), LARGEST_STEERING_RAD)
         goal_throttle = min(goal_throttle, LARGEST_THROTTLE_RAD)
         steering_rate += dt * (omega**2 * (goal_steering - steering) - 1.8 * omega * steering_rate)
@@ -461,18 +476,14 @@ def _drive(
         if throttle < 0:
             throttle, throttle_rate = 0.0, max(throttle_rate, 0.0)
         # The controller follows the lever with a ramp, up to the limit set by the knob.
-        goal_speed = SPEED_LIMIT_MPS * min(throttle / full_speed_rad, 1.0)
+        goal_speed = SPEED_LIMIT_MPS * min(throttle / full_speed, 1.0)
         change = min(max((goal_speed - speed) / 0.35, -1.2), 0.8)
         speed = max(speed + dt * change, 0.0)
-        front = math.atan(math.tan(steering) * project)
-        heading += dt * speed * math.tan(front) / layout.wheelbase_m
-        x -= dt * speed * math.sin(heading)
-        y += dt * speed * math.cos(heading)
+        heading += dt * speed * np.tan(steering) * project / wheelbase
+        x -= dt * speed * np.sin(heading)
+        y += dt * speed * np.cos(heading)
         distance += dt * speed
-    table = np.array(log)
-    return _Motion(
-        table[:, 0], table[:, 1], table[:, 2], table[:, 3], table[:, 4:6], table[:, 6], table[:, 7]
-    )
+    return log
 
 
 def _path(course: Course) -> tuple[FloatArray, FloatArray]:
@@ -644,15 +655,15 @@ def _reference(
     return np.column_stack(wires), time_s + offset, np.round(pulses, 3), seen
 
 
-def _with_play(angle: FloatArray, width: float) -> FloatArray:
-    """Backlash: the follower moves only when pushed. A recursion, 100 samples a second."""
-    if width == 0:
-        return angle
-    half, follower, out = width / 2, float(angle[0]), []
-    for value in angle.tolist():
-        follower = min(max(follower, value - half), value + half)
-        out.append(follower)
-    return np.array(out)
+@njit(cache=True)
+def _with_play(angle, width):
+    """Backlash: the follower moves only when pushed."""
+    out = np.empty_like(angle)
+    follower = angle[0]
+    for k in range(len(angle)):
+        follower = min(max(follower, angle[k] - width / 2), angle[k] + width / 2)
+        out[k] = follower
+    return out
 
 
 def simulate_parked(
