@@ -19,7 +19,7 @@ _build/.source: $(VENV)/.installed $(CODE)
 	rm -rf _build && mkdir -p _build && touch $@
 
 test: $(VENV)/.installed  ## set up, run every test, doctest and notebook
-	$(BIN)/python -m pytest -n 2 --nbmake --nbmake-timeout=300 tests mobility_imu notebooks
+	$(BIN)/python -m pytest -n 2 --nbmake --nbmake-timeout=300 tests mobility_imu notebooks book/index.ipynb
 
 lint: $(VENV)/.installed  ## style, types, spelling, stripped notebooks
 	$(BIN)/ruff check .

@@ -150,6 +150,7 @@ def test_compiled_and_plain_loops_agree(noisy_rides):
     arguments = (
         *(np.ascontiguousarray(v[part]) for v in (lever.acc_mps2, lever.gyr_radps)),
         *(np.ascontiguousarray(v[part]) for v in (body.acc_mps2, body.gyr_radps)),
+        body.acc_mps2[0].copy(),
         0.01,
         0.35,
         0.19,

@@ -20,12 +20,15 @@ from plain_tasks import plain_tasks
 from scipy import integrate
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.data import recordings_folder
+from mobility_imu.data import SAMPLE_VARIABLE, recordings_folder
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
+from mobility_imu.plots.wheelchair import chronogram, draw_frames
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.reproduction.claims import check
 from mobility_imu.reproduction.published import load_published
+from mobility_imu.reproduction.wheelchair import claims, open_combinations, yaw_gain
 from mobility_imu.simulation.wheelchair import (
     COURT,
     IDEAL,
@@ -1142,3 +1145,134 @@ def test_tasks_of_the_bundled_recording_are_right_away_from_the_changes(court):
     assert np.array_equal(codes[far], truth["task_code"][far])
     assert far.mean() > 0.5
     assert (codes == truth["task_code"]).mean() > 0.9
+
+
+# What the scorecard says
+
+
+def test_claims_on_the_sample_are_not_reproducible_without_it(monkeypatch):
+    monkeypatch.delenv(SAMPLE_VARIABLE, raising=False)
+    outcomes = [check(claim) for claim in claims()]
+    need = [SAMPLE_VARIABLE in outcome.claim.what for outcome in outcomes]
+    assert [outcome.verdict == "not reproducible" for outcome in outcomes] == need
+    assert 0 < sum(need) < len(need)
+    assert all(outcome.claim.tolerance_reason for outcome in outcomes)
+
+
+def test_claims_on_a_folder_that_is_not_there_say_so(monkeypatch, tmp_path):
+    monkeypatch.setenv(SAMPLE_VARIABLE, str(tmp_path / "nowhere"))
+    with pytest.raises(InputError, match="nowhere"):
+        check(claims()[0])
+
+
+def test_printed_equations_differ_and_ours_agree(monkeypatch):
+    monkeypatch.delenv(SAMPLE_VARIABLE, raising=False)
+    verdicts = {}
+    for outcome in map(check, claims()):
+        if SAMPLE_VARIABLE not in outcome.claim.what:
+            verdicts.setdefault(outcome.claim.where, set()).add(outcome.verdict)
+    assert verdicts == {
+        "eqs 1.16-1.18 as printed": {"differs"},
+        "eqs 1.16-1.18 sign-safe": {"agrees"},
+        "eq. 1.17, printed minus": {"differs"},
+        "eq. 2.1, units as listed": {"differs"},
+        "Table 2": {"differs"},
+        "section 2": {"agrees"},
+    }
+
+
+def test_three_combinations_of_table_2_are_open():
+    # velocity b, speed c, yaw rate b, with any of the three letters of the radius
+    assert open_combinations() == 3
+
+
+def test_a_wrong_radius_is_not_mistaken_for_a_wrong_factor():
+    rng = np.random.default_rng(3)
+    yaw, speed = rng.uniform(0.4, 1.2, 500), rng.uniform(1, 4, 500)
+    factor, share = yaw_gain(yaw, 0.7 * yaw + 0.02 * speed, speed, side="left")
+    assert (factor, share) == pytest.approx((0.7, 0.02), abs=ROUNDING)
+
+
+# Figures
+
+
+def bars(figure):
+    """Start and width (s) of every coloured bar of the chronogram, by its band's centre."""
+    from matplotlib.collections import PolyCollection
+
+    found = {}
+    for collection in figure.axes[-1].collections:
+        assert isinstance(collection, PolyCollection)
+        if len(collection.get_facecolor()):  # the hatch has none
+            for path in collection.get_paths():
+                box = path.get_extents()
+                found.setdefault(round((box.y0 + box.y1) / 2), []).append((box.x0, box.width))
+    return found
+
+
+@pytest.fixture
+def no_figures_left_open():
+    import matplotlib.pyplot as plt
+
+    plt.switch_backend("agg")
+    yield
+    plt.close("all")
+
+
+@pytest.mark.usefixtures("no_figures_left_open")
+def test_chronogram_has_a_bar_for_every_run_in_the_band_of_its_task():
+    codes = np.repeat([1, 2, 6, 2, 4], [100, 300, 50, 50, 10])
+    time_s = 5 + np.arange(510) / 100
+    figure = chronogram(time_s, codes)
+    assert bars(figure) == {
+        1: [pytest.approx((5, 1))],
+        2: [pytest.approx((6, 3)), pytest.approx((9.5, 0.5))],
+        6: [pytest.approx((9, 0.5))],
+        4: [pytest.approx((10, 0.1))],
+    }
+    names = [label.get_text() for label in figure.axes[0].get_yticklabels()]
+    assert names == [task.title for task in Task]
+
+
+@pytest.mark.usefixtures("no_figures_left_open")
+@pytest.mark.parametrize("minutes", [0.1, 2, 30])
+def test_chronogram_keeps_the_velocities_peaks_at_any_length(minutes, tmp_path):
+    count = int(minutes * 6000)
+    time_s = np.arange(count) / 100
+    velocity = np.sin(time_s)
+    velocity[count // 3] = 9.0  # one sample
+    codes = np.where(velocity > 0.5, Task.FORWARD, Task.STATIC)
+    figure = chronogram(time_s, codes, velocity, np.full(count, -1.0))
+    upper, lower, _ = (ax for ax in figure.axes if ax.get_ylabel() != "share of time")
+    curve = max((line.get_ydata() for line in upper.lines), key=len)
+    assert np.max(curve) == 9.0
+    assert max((line.get_ydata() for line in lower.lines), key=len)[0] == pytest.approx(-57.3, 0.01)
+    figure.savefig(tmp_path / "chronogram.png")
+
+
+@pytest.mark.usefixtures("no_figures_left_open")
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([0, 1], [1, 7]), "sample 1 is 7, expected a task"),
+        (([0, 1], [1, 0]), "sample 1 is 0"),
+        (([0, 1], [1]), "expected 2 samples"),
+        (([0, 0], [1, 1]), "rising times"),
+        (([0], [1]), "rising times"),
+        (([0, 1], [1, 1], [1.0]), "linear_velocity_mps: expected 2"),
+    ],
+)
+def test_impossible_chronograms_are_refused(arguments, message):
+    with pytest.raises(InputError, match=message):
+        chronogram(*arguments)
+
+
+@pytest.mark.usefixtures("no_figures_left_open")
+@pytest.mark.parametrize("chair", [None, *CHAIRS], ids=["sample", "0deg", "3deg", "19deg", "24deg"])
+def test_frames_are_drawn_to_scale_for_any_chair(chair, tmp_path):
+    figure = draw_frames(chair)
+    chair = chair or SAMPLE_CHAIR
+    rear = figure.axes[0]
+    contacts = [line.get_xdata()[0] for line in rear.lines if line.get_marker() == "^"]
+    assert sorted(contacts) == pytest.approx([-chair.track_m / 2, chair.track_m / 2])
+    figure.savefig(tmp_path / "frames.png")

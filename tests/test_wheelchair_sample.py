@@ -29,7 +29,7 @@ pytestmark = pytest.mark.skipif(
 
 STRUCTURING = "0 - For Data Structuring"
 PREPROCESSING = "1 - For Data Preprocessing"
-SHIPPED_VELOCITIES = "2 - For Task Indentification/Propulsion_preprocessed.csv"
+SHIPPED_VELOCITIES = "2 - For Task Indentification/Propulsion_preprocessed.csv"  # codespell:ignore
 SIX_TASKS = "reference-outputs/velocities_six_tasks.csv"
 FRAMES = 12656
 # Properties.txt of the sample

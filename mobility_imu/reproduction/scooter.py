@@ -137,7 +137,14 @@ def compare_static_table(ours: pd.DataFrame | None = None) -> pd.DataFrame:
 
 
 def claims() -> list[Claim]:
-    """Give the paper's checkable numbers: Table 1, what the text says of it, and two ranges.
+    """Give the paper's checkable numbers: those of the static test, then those of driving."""
+    from mobility_imu.reproduction.scooter_driving import driving_claims
+
+    return [*static_claims(), *driving_claims()]
+
+
+def static_claims() -> list[Claim]:
+    """Give the numbers of Table 1, what the text says of it, two ranges and the data rate.
 
     Returns
     -------

@@ -43,7 +43,7 @@ SAMPLE_CHAIR = WheelchairGeometry.from_degrees(
 
 SIDES: tuple[Side, Side] = ("left", "right")
 NEEDS_SAMPLE = "needs MOBILITY_IMU_DATA"
-SHIPPED_VELOCITIES = "2 - For Task Indentification/Propulsion_preprocessed.csv"
+SHIPPED_VELOCITIES = "2 - For Task Indentification/Propulsion_preprocessed.csv"  # codespell:ignore
 BEFORE_SLIP_CORRECTION = "reference-outputs/propulsion_velocity_before_slip_correction.csv"
 # Turns slower than this say little about a factor of the yaw rate.
 SMALLEST_TURN_RADPS = 0.3

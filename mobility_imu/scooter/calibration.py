@@ -80,7 +80,7 @@ def calibrate_mounting(
     geometry: ScooterGeometry,
     *,
     pose_sd_rad: float = float(np.deg2rad(0.5)),
-    prior_sd_rad: float = float(np.deg2rad(3.0)),
+    prior_sd_rad: float = float(np.deg2rad(2.0)),
 ) -> ScooterMounting:
     """Find both mountings by least squares over parked poses (eq. 5).
 

@@ -22,6 +22,10 @@ from mobility_imu.scooter.angles import three_axis_angles
 from mobility_imu.scooter.geometry import ScooterGeometry
 
 
+SLOPE_SMOOTHING_S = 0.3
+"""Time constant of the acceleration from which the filter takes its derivatives."""
+
+
 @dataclass(frozen=True)
 class FusionSettings:
     """What the filter takes for granted.
@@ -130,8 +134,8 @@ def fuse_angles(
         [(settings.rate_sd_radps * dt) ** 2] * 2 + [settings.bias_walk_radps**2 * dt] * 2
     )
     x, p, x_before, p_before, steps = _filter(
-        lever_acc, lever_gyr, body_acc, body_gyr, dt, alpha, lean, noise**2, drift,
-        settings.huber, state, spread,
+        lever_acc, lever_gyr, body_acc, body_gyr, np.median(body_acc[first], axis=0), dt, alpha,
+        lean, noise**2, drift, settings.huber, state, spread,
     )  # fmt: skip
     if smooth:
         x, p = _smooth(x, p, x_before, p_before, steps)
@@ -141,7 +145,18 @@ def fuse_angles(
 
 
 @njit(cache=True)
-def _filter(lever_acc, lever_gyr, body_acc, body_gyr, dt, alpha, lean, noise, drift, huber, x, p):
+def _lever_force(b, s, phi, ca, sa):
+    """Eq. 5 for one sample: the lever's three components, and K2."""
+    cs, ss, cp, sp = np.cos(s), np.sin(s), np.cos(phi), np.sin(phi)
+    c1, k1 = b[1] * ca + b[2] * sa, -b[1] * sa + b[2] * ca
+    tx, k2 = b[0] * cs + c1 * ss, -b[0] * ss + c1 * cs
+    return tx, k2 * cp - k1 * sp, k2 * sp + k1 * cp, k2
+
+
+@njit(cache=True)
+def _filter(
+    lever_acc, lever_gyr, body_acc, body_gyr, slow, dt, alpha, lean, noise, drift, huber, x, p
+):
     count = len(lever_acc)
     xs, ps = np.empty((count, 4)), np.empty((count, 4, 4))
     xs_before, ps_before = np.empty((count, 4)), np.empty((count, 4, 4))
@@ -149,7 +164,7 @@ def _filter(lever_acc, lever_gyr, body_acc, body_gyr, dt, alpha, lean, noise, dr
     ca, sa = np.cos(alpha), np.sin(alpha)
     h, res = np.empty((3, 4)), np.empty(3)
     h[:] = 0.0
-    x, p = x.copy(), p.copy()
+    x, p, slow = x.copy(), p.copy(), slow.copy()
     for k in range(count):
         f = np.eye(4)
         if k > 0:
@@ -170,16 +185,17 @@ def _filter(lever_acc, lever_gyr, body_acc, body_gyr, dt, alpha, lean, noise, dr
                 p[i, i] += drift[i]
         steps[k] = f
         xs_before[k], ps_before[k] = x, p
-        b = body_acc[k]
-        c1, k1 = b[1] * ca + b[2] * sa, -b[1] * sa + b[2] * ca
         s, phi = x[0], x[1] + lean
-        cs, ss, cp, sp = np.cos(s), np.sin(s), np.cos(phi), np.sin(phi)
-        tx, k2 = b[0] * cs + c1 * ss, -b[0] * ss + c1 * cs
-        ty, tz = k2 * cp - k1 * sp, k2 * sp + k1 * cp
+        tx, ty, tz, k2 = _lever_force(body_acc[k], s, phi, ca, sa)
+        res[0], res[1], res[2] = lever_acc[k, 0] - tx, lever_acc[k, 1] - ty, lever_acc[k, 2] - tz
+        # The slopes come from a smoothed acceleration: with the raw one its noise would stand in
+        # residual and slope alike, and vibration would pull the angles to one side.
+        slow += dt / SLOPE_SMOOTHING_S * (body_acc[k] - slow)
+        tx, ty, tz, k2 = _lever_force(slow, s, phi, ca, sa)
+        cp, sp = np.cos(phi), np.sin(phi)
         h[0, 0], h[0, 1] = k2, 0.0
         h[1, 0], h[1, 1] = -tx * cp, -tz
         h[2, 0], h[2, 1] = -tx * sp, ty
-        res[0], res[1], res[2] = lever_acc[k, 0] - tx, lever_acc[k, 1] - ty, lever_acc[k, 2] - tz
         # Blows are far from Gaussian: what lies beyond the bound counts less.
         innovation = h @ p @ h.T
         for i in range(3):

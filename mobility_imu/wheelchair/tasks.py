@@ -399,8 +399,8 @@ def _count(flags: NDArray[np.bool_], skip: int, frames: int, segment: int) -> ND
 def find_pattern(symbols: Symbols) -> Codes:
     """Step 3: the task of each frame by Table 2.
 
-    The table leaves frames open whose speed is high but whose velocity is neither (rocking to and
-    fro within a segment); they count as forward propulsion, as in the public tool.
+    The table leaves frames open whose speed is high but whose velocity is neither (rocking back
+    and forth within a segment); they count as forward propulsion, as in the public tool.
 
     Parameters
     ----------

@@ -1,0 +1,81 @@
+"""Self-calibration of simulated scooters from parked poses: what it finds, what it leaves."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.frames import FloatArray
+from mobility_imu.scooter.calibration import ScooterMounting, calibrate_mounting, parked_poses
+from mobility_imu.scooter.geometry import SUZUKI_ET4D
+from mobility_imu.simulation.scooter import ScooterUnit, draw_scooter, simulate_parked
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+POSES_DEG = ((50.0, 0.0), (50.0, 40.0), (0.0, 40.0), (0.0, 0.0), (-50.0, 0.0), (-50.0, 40.0))
+"""Steering at both locks and straight, lever released and pressed, in an order that is quick."""
+PLACES_DEG = {
+    "level": ((0.2, 0.1),),
+    "level + ramp": ((0.2, 0.1), (5.0, 0.0)),
+    "level + ramp + side slope": ((0.2, 0.1), (5.0, 0.0), (0.0, 5.0)),
+}
+"""Pitch and roll of the places where one parks; the calibration is not told them."""
+
+
+def park_and_calibrate(unit: ScooterUnit, places: str) -> ScooterMounting:
+    """Park a drawn scooter at the named places and find its mounting.
+
+    Parameters
+    ----------
+    unit : ScooterUnit
+    places : a name in :data:`PLACES_DEG`
+    """
+    settings = [(float(s), float(t)) for s, t in np.deg2rad(POSES_DEG)]
+    poses = []
+    for k, (pitch, bank) in enumerate(np.deg2rad(PLACES_DEG[places])):
+        parked = simulate_parked(
+            settings, pitch_rad=pitch, bank_rad=bank, seed=100 * unit.unit_seed + k, unit=unit
+        )
+        poses += parked_poses(parked, settings)
+    return calibrate_mounting(poses, SUZUKI_ET4D)
+
+
+def _corrections(unit: ScooterUnit, places: str) -> tuple[FloatArray, FloatArray]:
+    mounting = park_and_calibrate(unit, places)
+    return mounting.rotation_lever_imu_to_lever, mounting.rotation_body_imu_to_body
+
+
+parked_on_level = partial(_corrections, places="level")
+parked_on_ramp = partial(_corrections, places="level + ramp")
+
+
+def mounting_left(scooters: range, places: str | None) -> pd.DataFrame:
+    """How far the IMUs' axes are from what is believed, over drawn scooters, deg.
+
+    Parameters
+    ----------
+    scooters : seeds
+    places : a name in :data:`PLACES_DEG`; None for no calibration
+
+    Returns
+    -------
+    DataFrame
+        One row per scooter; columns lever_x ... body_z, rotation vector in deg.
+    """
+    import pandas as pd
+
+    rows = []
+    for seed in scooters:
+        unit = draw_scooter(seed)
+        believed = [np.eye(3)] * 2 if places is None else list(_corrections(unit, places))
+        left = [
+            (Rotation.from_matrix(b) * Rotation.from_rotvec(tilt).inv()).as_rotvec(degrees=True)
+            for b, tilt in zip(believed, (unit.lever_mounting, unit.body_mounting), strict=True)
+        ]
+        rows.append(np.concatenate(left))
+    columns = [f"{imu}_{axis}" for imu in ("lever", "body") for axis in "xyz"]
+    return pd.DataFrame(rows, columns=columns, index=list(scooters))
