@@ -12,7 +12,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import wrap_angle
 from mobility_imu.reproduction.claims import check
 from mobility_imu.reproduction.published import load_published
-from mobility_imu.reproduction.scooter import claims, compare_static_table, static_table
+from mobility_imu.reproduction.scooter import compare_static_table, static_claims, static_table
 from mobility_imu.scooter import SUZUKI_ET4D, ScooterGeometry, estimate_angles
 from mobility_imu.scooter.angles import (
     angle_standard_deviations,
@@ -522,7 +522,7 @@ def test_which_side_is_up_geometry_cannot_tell_from_the_steering_columns():
 
 
 def test_claims_and_their_verdicts():
-    outcomes = [check(claim) for claim in claims()]
+    outcomes = [check(claim) for claim in static_claims()]
     assert len(outcomes) == 31
     cells, rest = outcomes[:25], outcomes[25:]
     assert sum(outcome.verdict == "agrees" for outcome in cells) == 18

@@ -55,9 +55,9 @@ if TYPE_CHECKING:
 DRIVERS = 4
 RUNS = 3
 LONGEST_GAP_S = 1.0
-"""Between two pulses, 0.2 m apart: motion slower than 0.2 m/s counts as standing. Our choice."""
+"""Seconds between two pulses (0.2 m apart) beyond which the scooter counts as standing; ours."""
 LONGER_WINDOW = 101
-"""Samples, one second: the fair baseline without gyroscopes."""
+"""Samples in the window of the fair baseline without gyroscopes (one second)."""
 ANGLES = ("steering", "throttle")
 BIN_DEG = 2.0
 """Bin width of Figure 8."""
@@ -65,6 +65,7 @@ DURATION_EDGES_DEG = {
     "steering": np.arange(-71.0, 72.0, BIN_DEG),
     "throttle": np.arange(-21.0, 62.0, BIN_DEG),
 }
+"""Bin edges of Figure 8 in deg, for both angles."""
 ERROR_EDGES_DEG = np.arange(0.0, 40.5, 0.5)
 """Bins of Figure 9; the last one also takes what is beyond."""
 PUBLISHED_LIMIT_DEG = {"steering": 10.0, "throttle": 5.0}

@@ -25,6 +25,7 @@ from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 STILL_RATE_RADPS = 0.03
 """Root mean square rate below which the lever's IMU rests."""
 SHORTEST_STILL_S = 0.8
+"""Seconds that a pose is held at least."""
 DIRECTIONS = (
     "lever IMU about x",
     "lever IMU about y",

@@ -21,7 +21,7 @@ from mobility_imu.scooter.angles import steering_angle, three_axis_angles, throt
 from mobility_imu.scooter.geometry import ScooterGeometry
 
 PAPER_MEDIAN_WINDOW = 25
-"""Samples: a "25th-order median filter" in MATLAB is 25 samples wide, 0.25 s at 100 Hz."""
+"""Samples in the paper's window; MATLAB's "order" of a median is its width, 0.25 s at 100 Hz."""
 
 
 class ClockOffset(NamedTuple):

@@ -111,6 +111,7 @@ COURSES = {
     "side": Course("side", (Stretch(2.0), Stretch(9.0, bank_rad=_deg(7)), Stretch(2.0))),
     "tactile": Course("tactile", (Stretch(2.0), Stretch(10.0, tactile=True), Stretch(2.0))),
 }
+"""The five courses of Figure 5 by name."""
 
 
 @dataclass(frozen=True)
