@@ -6,6 +6,10 @@ reading noise of the reference angles (noise). Every parameter has a prior of ze
 before the fit. With 18 parameters a small misfit alone says little; so every fit can be asked what
 it does to shuffled tables and to the half of the table that it has not seen.
 
+Single and dual cells come from the same readings of the lever's IMU, and the cells of one row from
+one slope. The fit takes all cells as independent: its standard deviations are too small, not by
+more than a factor of two if pairs and quadruples of cells were one.
+
 All angles of this module's tables are in degrees, as printed.
 """
 
@@ -13,10 +17,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import permutations
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
@@ -118,6 +123,10 @@ class TableFit:
     cost: float
     prior_cost: float
     table_deg: FloatArray
+
+    def value_deg(self, name: str) -> float:
+        """Value of one parameter, zero if it was not free."""
+        return float(self.values_deg[self.names.index(name)]) if name in self.names else 0.0
 
     def parameters(self) -> pd.DataFrame:
         """Value, posterior sd, prior sd and whether the table identifies it, one row per name."""
@@ -241,6 +250,7 @@ def fit_table(
     seed: int = 0,
     first_deg: FloatArray | None = None,
     use: slice = slice(0, 4),
+    floor_deg: float = FLOOR_DEG,
 ) -> list[TableFit]:
     """Fit a model from several starting points.
 
@@ -249,10 +259,12 @@ def fit_table(
     table_deg : (5, 5, 4) array, deg, as :func:`published_table`
     names : free parameters, the others stay zero
     left_row_ax_sign : -1 or +1
-    starts : number of random starting points, drawn from half the priors
+    starts : number of random starting points, drawn from half the priors, besides the one next to
+        the stated values
     seed : of the starting points
     first_deg : (29,) array, deg, one more starting point
     use : quantities to fit: all, ``SINGLE`` or ``DUAL``
+    floor_deg : deg, smallest standard deviation of a cell
 
     Returns
     -------
@@ -265,7 +277,7 @@ def fit_table(
         raise InputError(f"names: {unknown[0]!r} is not a parameter of Table 1's models")
     free = np.array([PARAMETERS.index(name) for name in names], int)
     prior = np.array([PRIOR_SD_DEG[name] for name in names])
-    spread = np.maximum(FLOOR_DEG, table_deg * [SHARE_MAE, SHARE_SD, SHARE_MAE, SHARE_SD])
+    spread = np.maximum(floor_deg, table_deg * [SHARE_MAE, SHARE_SD, SHARE_MAE, SHARE_SD])
 
     def full(part: FloatArray) -> FloatArray:
         values = np.zeros((*part.shape[:-1], len(PARAMETERS)))
@@ -283,7 +295,9 @@ def fit_table(
         return (both[: len(part)] - both[len(part) :]).T / 2e-3
 
     rng = np.random.default_rng(seed)
-    guesses = [0.5 * prior * rng.standard_normal(len(free)) for _ in range(max(starts, 1))]
+    guesses = [0.5 * prior * rng.standard_normal(len(free)) for _ in range(starts)]
+    # Not at zero itself, where the mean of |e| has a kink.
+    guesses.insert(0, np.where(np.isin(free, (16, 17)), 0.5, 0.02) * prior)
     if first_deg is not None:
         guesses.insert(0, np.asarray(first_deg, float)[free])
     found = []
@@ -361,38 +375,39 @@ def quality(predicted_deg: FloatArray, table_deg: FloatArray) -> FitQuality:
     )
 
 
-def shuffled_table(
-    table_deg: FloatArray, seed: int, what: Literal["rows", "columns", "both"] = "both"
-) -> FloatArray:
-    """Shuffle the table: the same numbers, single and dual together, under wrong headings.
+def shuffled_tables(
+    table_deg: FloatArray, what: Literal["rows", "columns", "both"], *, count: int, seed: int = 0
+) -> list[FloatArray]:
+    """The same numbers, single and dual together, under wrong headings; no two alike.
 
-    Rows are never left as they are nor only left and right exchanged, which another side sign
-    could explain. Columns always exchange at least one of steering (a, b) with one of throttle.
+    Rows: never only left and right exchanged, which the other side sign could explain. Columns:
+    always at least one of steering (a, b) exchanged with one of throttle.
 
     Parameters
     ----------
     table_deg : (5, 5, 4) array
-    seed : int
     what : "rows", "columns" or "both"
+    count : number of tables
+    seed : int
 
     Returns
     -------
-    (5, 5, 4) array
+    list of (5, 5, 4) arrays
     """
     rng = np.random.default_rng([seed, 71])
-    rows: NDArray[np.int_] = np.arange(5)
-    columns: NDArray[np.int_] = np.arange(5)
-    if what in ("rows", "both"):
-        while (rows[:3] == [0, 1, 2]).all():
-            rows = rng.permutation(5)
-    if what in ("columns", "both"):
-        while set(columns[:2].tolist()) == {0, 1}:
-            columns = rng.permutation(5)
-    return table_deg[rows][:, columns]
+    orders = np.array(list(permutations(range(5))))
+    rows = orders[(orders[:, :3] != [0, 1, 2]).any(axis=1)]
+    columns = orders[orders[:, :2].max(axis=1) > 1]
+    rows, columns = rng.permutation(rows)[:count], rng.permutation(columns)[:count]
+    same = np.arange(5)
+    return [
+        table_deg[row if what != "columns" else same][:, column if what != "rows" else same]
+        for row, column in zip(rows, columns, strict=True)
+    ]
 
 
 def _conditions() -> list[tuple[slice, int, FloatArray, FloatArray]]:
-    """Columns, which angle is judged (0 steering, 1 throttle), and the positions (column, place)."""
+    """Columns, which angle is judged (0 steering, 1 throttle), positions (column, place)."""
     wheel, lever = np.array(STEERING_POSITIONS_RAD), np.array(THROTTLE_POSITIONS_RAD)
     ends = np.array([0.0, wheel.max(), wheel.min()])
     return [

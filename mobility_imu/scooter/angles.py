@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_vectors
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_vectors, wrap_angle
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 
 if TYPE_CHECKING:
@@ -174,7 +174,7 @@ def three_axis_angles(
     shape = np.broadcast_shapes(lever.shape, body.shape)
     lever, body = (np.broadcast_to(v, shape).reshape(-1, 3) for v in (lever, body))
     angles = np.empty((2, len(lever)))
-    workspace = np.empty((11, min(BLOCK, len(lever))))
+    workspace = np.empty((10, min(BLOCK, len(lever))))
     with np.errstate(divide="ignore", invalid="ignore"):  # a zero vector has no angles: NaN
         for start in range(0, len(lever), BLOCK):
             part = slice(start, start + BLOCK)
@@ -192,25 +192,23 @@ def _three_axis_block(
     """Fill ``angles``; every step works in place on rows that stay in the processor's cache.
 
     Differences of arctangents are taken inside one ``arctan2``, by the sine and cosine of the
-    difference: half the calls, and no angle to wrap.
+    difference: half the calls.
     """
     alpha, lean = geometry.steering_inclination_rad, _lean(geometry)
-    sin, cos, sin_lean, cos_lean = np.sin(alpha), np.cos(alpha), np.sin(lean), np.cos(lean)
-    tx, ty, tz, x, c1, k1, reach, k2, a, b, c = (row[: len(lever)] for row in workspace)
+    sin, cos = np.sin(alpha), np.cos(alpha)
+    tx, ty, tz, x, c1, k1, k2, a, b, c = (row[: len(lever)] for row in workspace)
     tx[:], ty[:], tz[:] = lever.T
     x[:], a[:], b[:] = body.T
     np.add(np.multiply(a, cos, out=c1), np.multiply(b, sin, out=c), out=c1)
     np.subtract(np.multiply(b, cos, out=k1), np.multiply(a, sin, out=c), out=k1)
-    np.add(np.multiply(x, x, out=reach), np.multiply(c1, c1, out=c), out=reach)
+    np.add(np.multiply(x, x, out=k2), np.multiply(c1, c1, out=c), out=k2)
     # The lever's x component, as it would be with the lever's length equal to the body's.
     np.add(np.multiply(tx, tx, out=a), np.multiply(ty, ty, out=c), out=a)
     np.add(a, np.multiply(tz, tz, out=c), out=a)
-    np.add(reach, np.multiply(k1, k1, out=c), out=b)
+    np.add(k2, np.multiply(k1, k1, out=c), out=b)
     np.multiply(tx, np.sqrt(np.divide(b, a, out=b), out=b), out=tx)
-    np.sqrt(reach, out=reach)
-    np.minimum(tx, reach, out=tx)
-    np.maximum(tx, np.negative(reach, out=c), out=tx)
-    np.multiply(np.subtract(reach, tx, out=a), np.add(reach, tx, out=b), out=k2)
+    # Beyond the reach of any steering angle K2 is 0, and the arctangent below takes it from there.
+    np.maximum(np.subtract(k2, np.multiply(tx, tx, out=c), out=k2), 0, out=k2)
     np.copysign(np.sqrt(k2, out=k2), c1, out=k2)
     # Steering: atan2(tx, K2) - atan2(x, C1).
     np.subtract(np.multiply(tx, c1, out=a), np.multiply(x, k2, out=c), out=a)
@@ -219,9 +217,10 @@ def _three_axis_block(
     # Throttle: atan2(K2, K1) - atan2(ty, tz) - (alpha - beta).
     np.subtract(np.multiply(k2, tz, out=a), np.multiply(k1, ty, out=c), out=a)
     np.add(np.multiply(k1, tz, out=b), np.multiply(k2, ty, out=c), out=b)
-    np.subtract(np.multiply(a, cos_lean, out=c), np.multiply(b, sin_lean, out=c1), out=c)
-    np.add(np.multiply(b, cos_lean, out=b), np.multiply(a, sin_lean, out=a), out=b)
-    np.arctan2(c, b, out=angles[1])
+    throttle = np.arctan2(a, b, out=angles[1])
+    throttle -= lean
+    if throttle.min() < -np.pi or throttle.max() > np.pi:
+        throttle[:] = wrap_angle(throttle)
 
 
 def estimate_angles(

@@ -21,7 +21,6 @@ from mobility_imu.frames import FloatArray, as_vectors
 from mobility_imu.scooter.angles import three_axis_angles
 from mobility_imu.scooter.geometry import ScooterGeometry
 
-
 SLOPE_SMOOTHING_S = 0.3
 """Time constant of the acceleration from which the filter takes its derivatives."""
 
