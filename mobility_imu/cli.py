@@ -68,6 +68,14 @@ class Camber(StrEnum):
     printed = "printed"
 
 
+class Smoothing(StrEnum):
+    """Filter on the sensors of a chair, before everything else."""
+
+    none = "none"
+    moving_average = "moving-average"
+    savitzky_golay = "savitzky-golay"
+
+
 class Edge(StrEnum):
     """Who votes on a trial's first frames."""
 
@@ -344,6 +352,11 @@ def wheelchair_velocity(
             help="Where wheels slip, integrate the frame's acceleration instead.",
         ),
     ] = False,
+    smoothing: Annotated[
+        Smoothing, typer.Option("--filter", help="Smooth every sensor of all three recordings.")
+    ] = Smoothing.none,
+    filter_window: Annotated[int, typer.Option(help="Samples in the filter's window, odd.")] = 7,
+    filter_order: Annotated[int, typer.Option(help="Order of the Savitzky-Golay filter.")] = 2,
     sampling_rate_hz: Rate = 100.0,
     fill_gaps_s: FillGaps = 0.0,
 ) -> None:
@@ -353,7 +366,12 @@ def wheelchair_velocity(
 
     chair = WheelchairGeometry.from_toml(geometry)
     drive, still, line = (
-        read_recording(path, sampling_rate_hz=sampling_rate_hz, fill_gaps_s=fill_gaps_s)
+        _smoothed(
+            read_recording(path, sampling_rate_hz=sampling_rate_hz, fill_gaps_s=fill_gaps_s),
+            smoothing,
+            filter_window,
+            filter_order,
+        )
         for path in (trial, static, straight)
     )
     velocity = estimate_velocity(
@@ -364,6 +382,59 @@ def wheelchair_velocity(
         slip_correction=slip_correction,
     )
     _write_tables({output: velocity.to_frame()})
+
+
+def _smoothed(recording: Recording, how: Smoothing, window: int, order: int) -> Recording:
+    from mobility_imu.filters import moving_average, savitzky_golay
+    from mobility_imu.recording import Imu, Recording
+
+    if how is Smoothing.none:
+        return recording
+
+    def smooth(values: FloatArray) -> FloatArray:
+        if how is Smoothing.moving_average:
+            return moving_average(values, window)
+        return savitzky_golay(values, window, order)
+
+    sensors = {
+        name: Imu(smooth(imu.acc_mps2), None if imu.gyr_radps is None else smooth(imu.gyr_radps))
+        for name, imu in recording.sensors.items()
+    }
+    return Recording(recording.time_s, sensors, source=recording.source)
+
+
+@wheelchair_app.command("check")
+def wheelchair_check(
+    trial: Annotated[Path, typer.Argument(help="Recording of a drive with turns to both sides.")],
+    static: Annotated[Path, typer.Option(help="Trial with the chair standing still.")],
+    straight: Annotated[Path, typer.Option(help="Trial with the chair pushed straight forward.")],
+    geometry: Annotated[Path, typer.Option(help="TOML with a section [wheelchair].")],
+    sampling_rate_hz: Rate = 100.0,
+    fill_gaps_s: FillGaps = 0.0,
+) -> None:
+    """Whether track, radii and camber fit what the frame's gyroscope says of the turns."""
+    import numpy as np
+
+    from mobility_imu.readers import read_recording
+    from mobility_imu.wheelchair import WheelchairGeometry, calibrate
+    from mobility_imu.wheelchair.check import check_geometry
+
+    chair = WheelchairGeometry.from_toml(geometry)
+    drive, still, line = (
+        read_recording(path, sampling_rate_hz=sampling_rate_hz, fill_gaps_s=fill_gaps_s)
+        for path in (trial, static, straight)
+    )
+    found = check_geometry(drive, calibrate(still, line), chair)
+    typer.echo(f"wheels' yaw rate over the frame's, left turns   {found.yaw_gain_left:.3f}")
+    typer.echo(f"wheels' yaw rate over the frame's, right turns  {found.yaw_gain_right:.3f}")
+    typer.echo(f"track that fits the turns   {found.track_m:.4f} ± {found.track_sd_m:.4f} m")
+    typer.echo(
+        f"right over left radius      {found.radius_ratio:.4f} ± {found.radius_ratio_sd:.4f}"
+    )
+    camber, camber_sd = np.rad2deg([found.camber_rad, found.camber_sd_rad])
+    typer.echo(f"camber from the axles       {camber:.1f} ± {camber_sd:.1f} deg")
+    for message in found.messages or ("the geometry fits",):
+        typer.echo(f"- {message}")
 
 
 @wheelchair_app.command("tasks")
@@ -379,6 +450,12 @@ def wheelchair_tasks(
     figure: Annotated[
         Path | None, typer.Option(help="Also draw the chronogram (.png, .svg or .pdf).")
     ] = None,
+    events: Annotated[
+        Path | None, typer.Option(help="Also write one row per task: onset, end, distance, angle.")
+    ] = None,
+    direction: Annotated[
+        bool, typer.Option("--direction", help="Add a column with the direction of rotations.")
+    ] = False,
     sampling_rate_hz: Annotated[
         float | None, typer.Option(help="Hz; for files that have no time column.", min=1)
     ] = None,
@@ -387,6 +464,7 @@ def wheelchair_tasks(
     import numpy as np
     import pandas as pd
 
+    from mobility_imu.outcomes import task_events, turn_direction
     from mobility_imu.readers.velocities import read_velocities
     from mobility_imu.wheelchair import Task, TaskSettings, identify_tasks
     from mobility_imu.wheelchair.tasks import read_settings
@@ -413,8 +491,15 @@ def wheelchair_tasks(
             "task": names[codes],
         }
     )
+    if direction:
+        table["direction"] = turn_direction(codes, series.yaw_rate_radps)
+    tables = {output: table}
+    if events is not None:
+        tables[events] = task_events(
+            series.time_s, codes, series.linear_velocity_mps, series.yaw_rate_radps
+        )
     if figure is None:
-        _write_tables({output: table})
+        _write_tables(tables)
         return
     if figure.suffix not in (".png", ".svg", ".pdf"):
         raise InputError(f"--figure {figure}: expected a name that ends in .png, .svg or .pdf")
@@ -426,7 +511,7 @@ def wheelchair_tasks(
     drawing = chronogram(series.time_s, codes, series.linear_velocity_mps, series.yaw_rate_radps)
     with _new_file(figure) as unfinished:
         drawing.savefig(unfinished, format=figure.suffix[1:], dpi=150)
-        _write_tables({output: table})
+        _write_tables(tables)
 
 
 @simulate_app.command("scooter")

@@ -202,6 +202,28 @@ def test_printed_camber_falsifies_the_yaw_of_the_wheels(tmp_path):
     assert pd.read_csv(tmp_path / "v.csv")["slip"].mean() > 0.2
 
 
+def test_check_events_and_filters(tmp_path):
+    trials = velocity_arguments()[2:-2]
+    result = run("wheelchair", "check", *trials, cwd=tmp_path)
+    assert result.returncode == 0 and "the geometry fits" in result.stdout
+    wrong = (COURT / "geometry.toml").read_text().replace("track_m = 0.84", "track_m = 0.80")
+    (tmp_path / "wrong.toml").write_text(wrong)
+    trials[-1] = tmp_path / "wrong.toml"
+    result = run("wheelchair", "check", *trials, cwd=tmp_path)
+    assert "0.840 m, not 0.800 m" in result.stdout
+    smooth = ["--filter", "savitzky-golay", "--filter-window", 9]
+    assert run(*velocity_arguments(), *smooth, cwd=tmp_path).returncode == 0
+    arguments = ["v.csv", "-o", "t.csv", "--events", "e.csv", "--direction"]
+    assert run("wheelchair", "tasks", *arguments, cwd=tmp_path).returncode == 0
+    events = pd.read_csv(tmp_path / "e.csv")
+    assert events["duration_s"].sum() == pytest.approx(52.5)
+    tasks = pd.read_csv(tmp_path / "t.csv")
+    assert set(tasks["direction"].dropna()) == {"left", "right"}
+    even = ["--filter", "moving-average", "--filter-window", 8]
+    (tmp_path / "v.csv").unlink()
+    fails(tmp_path, *velocity_arguments(), *even, says=["8", "odd"])
+
+
 def test_tool_settings_file(tmp_path):
     run(*velocity_arguments(), cwd=tmp_path)
     settings = {

@@ -18,6 +18,7 @@ from mobility_imu.scooter.sensitivity import (
 )
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
 
 WHITE: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.85}
@@ -212,9 +213,145 @@ def plot_mirror(geometry: ScooterGeometry, *, lock_rad: float) -> Figure:
             other, _ = mirror_angles(body, np.deg2rad(true_deg), 0.0, geometry)
             ax.plot(true_deg, np.rad2deg(np.mod(other, 2 * np.pi)), label=label)
         ax.plot(true_deg, true_deg, color="#6E6E6E", linestyle="-", linewidth=1)
-        ax.text(-27, -34, "true", color="#555555", rotation=22)
+        ax.text(-27, -21, "true", color="#555555", rotation=14)
         ax.set_xlabel("true steering, deg")
         ax.set_ylabel("steering of the mirror solution, deg")
         ax.set_ylim(-lock_deg - 2, 235)
         ax.legend(loc="upper right", ncols=2)
+    return figure
+
+
+def plot_cells(published_deg: FloatArray, models_deg: Mapping[str, FloatArray]) -> Figure:
+    """Plot all 50 MAE and 50 SD of Table 1 as printed against each model's.
+
+    Parameters
+    ----------
+    published_deg : (5, 5, 4) array, deg: row, column, quantity
+    models_deg : for each model an array of the same shape
+
+    Returns
+    -------
+    Figure with one column of panels per model, MAE above, SD below
+    """
+    import matplotlib.pyplot as plt
+
+    with use_style():
+        figure, panels = plt.subplots(
+            2, len(models_deg), figsize=(2.1 * len(models_deg), 4.9), sharex="row", sharey="row"
+        )
+        for column, (name, table) in enumerate(models_deg.items()):
+            for row, (what, top) in enumerate((("MAE", 23.0), ("SD", 15.0))):
+                ax = panels[row, column]
+                line = np.linspace(0, top, 200)
+                ax.fill_between(
+                    line, np.maximum(line - 1, 0), line + 1, color="#E4E4E4", zorder=0, linewidth=0
+                )
+                for mode, quantity, look in (
+                    ("one IMU", row, {"marker": "o", "color": COLOURS["blue"]}),
+                    (
+                        "two IMUs",
+                        row + 2,
+                        {"marker": "s", "color": COLOURS["vermilion"], "mfc": "none"},
+                    ),
+                ):
+                    ax.plot(
+                        published_deg[..., quantity].ravel(),
+                        table[..., quantity].ravel(),
+                        linestyle="none",
+                        markersize=4,
+                        clip_on=False,
+                        zorder=3,
+                        label=mode,
+                        **look,
+                    )
+                ticks = [0, 1, 2, 5, 10, 20] if row == 0 else [0, 1, 2, 5, 10]
+                for axis in ("x", "y"):
+                    getattr(ax, f"set_{axis}scale")("function", functions=(_root, np.square))
+                    getattr(ax, f"set_{axis}lim")(0, top)
+                    getattr(ax, f"set_{axis}ticks")(ticks)
+                if row == 0:
+                    ax.set_title(name)
+                if column == 0:
+                    ax.set_ylabel(f"{what} of the model, deg")
+                ax.set_xlabel(f"printed {what}, deg")
+        panels[0, 0].legend(loc="upper left", handletextpad=0.1, borderaxespad=0.1)
+    return figure
+
+
+def _root(values: FloatArray) -> FloatArray:
+    return np.sqrt(np.maximum(values, 0))
+
+
+def plot_controls(controls: pd.DataFrame) -> Figure:
+    """Plot the cost of the table as printed and of shuffled ones.
+
+    Parameters
+    ----------
+    controls : what ``reproduction.scooter_table1_fit.shuffle_controls`` gives
+
+    Returns
+    -------
+    Figure
+    """
+    import matplotlib.pyplot as plt
+
+    with use_style():
+        figure, ax = plt.subplots(figsize=(7.2, 3.0))
+        kinds = list(dict.fromkeys(controls["table"]))
+        for place, kind in enumerate(kinds):
+            cost = np.sort(controls.loc[controls["table"] == kind, "cost"])
+            look = cue(place) | {"linestyle": "none", "markersize": 8}
+            ax.plot(cost, np.full(len(cost), -place), mfc="none" if place else None, **look)
+        ax.set_xscale("log")
+        ax.set_xticks([50, 100, 200, 500, 1000], labels=["50", "100", "200", "500", "1000"])
+        ax.set_xticks([], minor=True)
+        ax.set_yticks([-k for k in range(len(kinds))])
+        ax.set_yticklabels([kind if kind == "as printed" else f"{kind} shuffled" for kind in kinds])
+        ax.set_ylim(-len(kinds) + 0.5, 0.5)
+        ax.set_xlabel("cost of the best fit (squared residuals over variances, with priors), 1")
+    return figure
+
+
+def plot_parameters(narrow: pd.DataFrame, wide: pd.DataFrame) -> Figure:
+    """Plot fitted nuisances with their sd: of the chain, and with rival causes admitted.
+
+    Parameters
+    ----------
+    narrow, wide : what ``TableFit.parameters`` gives; those of ``narrow`` are shown
+
+    Returns
+    -------
+    Figure
+    """
+    import matplotlib.pyplot as plt
+
+    with use_style():
+        figure, ax = plt.subplots(figsize=(7.2, 5.6))
+        place = -np.arange(len(narrow))
+        prior = narrow["prior_sd_deg"].to_numpy()
+        low = np.where(narrow.index.str.endswith("noise"), 0.0, -prior)
+        ax.barh(place, prior - low, left=low, height=0.7, color="#E9E9E9", label="prior, ± 1 sd")
+        for shift, table, label, look in (
+            (0.15, narrow, "chain, ± 1 sd", {"marker": "o", "color": COLOURS["blue"]}),
+            (
+                -0.15,
+                wide.loc[narrow.index],
+                "with rivals, ± 1 sd",
+                {"marker": "s", "color": COLOURS["vermilion"], "mfc": "none"},
+            ),
+        ):
+            ax.errorbar(
+                table["value_deg"],
+                place + shift,
+                xerr=table["sd_deg"],
+                linestyle="none",
+                capsize=2,
+                label=label,
+                **look,
+            )
+        ax.axvline(0, color="black", linewidth=0.8, linestyle="-")
+        ax.set_yticks(place, list(narrow.index))
+        ax.set_xlabel("deg")
+        ax.grid(visible=False, axis="y")
+        figure.legend(loc="outside lower center", ncols=3)
     return figure

@@ -71,8 +71,8 @@ def print_scorecard(outcomes: list[Outcome]) -> None:
             claim.what,
             claim.unit,
             f"{claim.published_value:.6g}",
-            "-" if missing else f"{outcome.ours:.6g}",
-            "-" if missing else f"{outcome.difference:+.3g}",
+            "-" if missing else f"{round(outcome.ours, 6):.6g}",
+            "-" if missing else f"{round(outcome.difference, 6):+.3g}",
             f"{claim.tolerance:g}",
             f"[{colours[outcome.verdict]}]{outcome.verdict}[/]",
         )

@@ -1,0 +1,238 @@
+"""Geometry check, one wheel, standard deviations, filters, events and pushes of a chair."""
+
+import numpy as np
+import pytest
+
+from mobility_imu.errors import InputError
+from mobility_imu.filters import moving_average, savitzky_golay
+from mobility_imu.outcomes import PushSettings, detect_pushes, task_events, turn_direction
+from mobility_imu.recording import Recording
+from mobility_imu.simulation.wheelchair import (
+    COURT,
+    IDEAL,
+    LIKE_SAMPLE,
+    STATIC_TRIAL,
+    STRAIGHT_TRIAL,
+    random_mounting,
+    simulate_drive,
+)
+from mobility_imu.wheelchair import Task, WheelchairGeometry, calibrate, identify_tasks
+from mobility_imu.wheelchair.check import check_geometry
+from mobility_imu.wheelchair.velocity import (
+    linear_velocity,
+    single_wheel_velocity,
+    velocity_standard_deviation,
+    wheel_yaw_rate,
+    wheel_yaw_standard_deviation,
+)
+
+CHAIR = WheelchairGeometry.from_degrees(
+    19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
+)
+
+
+def drive(geometry=CHAIR, seed=0, noise=LIKE_SAMPLE):
+    mounting = random_mounting(seed)
+    trials = [
+        simulate_drive(legs, geometry, mounting, seed=10 * seed + k, noise=noise)
+        for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
+    ]
+    return trials[2], calibrate(trials[0].recording, trials[1].recording)
+
+
+@pytest.fixture(scope="module")
+def court():
+    return drive()
+
+
+def changed(**values):
+    return WheelchairGeometry(
+        **(
+            {
+                "camber_rad": CHAIR.camber_rad,
+                "wheel_radius_left_m": 0.3147,
+                "wheel_radius_right_m": 0.3195,
+                "track_m": 0.84,
+            }
+            | values
+        )
+    )
+
+
+class TestGeometryCheck:
+    def test_right_geometry_passes(self, court):
+        found = check_geometry(court[0].recording, court[1], CHAIR)
+        assert found.messages == ()
+        assert found.yaw_gain_left == pytest.approx(1, abs=0.002)
+        assert found.yaw_gain_right == pytest.approx(1, abs=0.002)
+        assert found.track_m == pytest.approx(0.84, abs=3 * found.track_sd_m)
+        assert found.radius_ratio == pytest.approx(1, abs=3 * found.radius_ratio_sd)
+        assert found.camber_rad == pytest.approx(CHAIR.camber_rad, abs=found.camber_sd_rad)
+
+    def test_wrong_track_is_named_with_its_size(self, court):
+        found = check_geometry(court[0].recording, court[1], changed(track_m=0.86))
+        assert found.track_m == pytest.approx(0.84, abs=0.002)
+        (message,) = found.messages
+        assert "0.840 m, not 0.860 m" in message and "-0.020 m" in message
+
+    def test_both_radii_too_large(self, court):
+        wrong = changed(wheel_radius_left_m=0.3147 * 1.03, wheel_radius_right_m=0.3195 * 1.03)
+        (message,) = check_geometry(court[0].recording, court[1], wrong).messages
+        assert "both radii should be -2.9%" in message  # 1 / 1.03
+
+    def test_one_radius_wrong(self, court):
+        wrong = changed(wheel_radius_right_m=0.3195 * 0.99)
+        found = check_geometry(court[0].recording, court[1], wrong)
+        assert found.radius_ratio == pytest.approx(1 / 0.99, abs=0.002)
+        assert any("right radius over the left" in message for message in found.messages)
+
+    def test_wrong_camber_shows_across_the_axles(self, court):
+        found = check_geometry(court[0].recording, court[1], changed(camber_rad=np.deg2rad(12)))
+        assert any("camber of 19.0 deg, not 12.0 deg" in message for message in found.messages)
+
+    def test_swapped_wheels(self, court):
+        def swap(recording):
+            sensors = recording.sensors
+            return Recording(
+                recording.time_s,
+                {
+                    "frame": sensors["frame"],
+                    "left_wheel": sensors["right_wheel"],
+                    "right_wheel": sensors["left_wheel"],
+                },
+            )
+
+        mounting = random_mounting(0)
+        static, straight = (
+            simulate_drive(legs, CHAIR, mounting, seed=k).recording
+            for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL))
+        )
+        found = check_geometry(
+            swap(court[0].recording), calibrate(swap(static), swap(straight)), CHAIR
+        )
+        assert "swapped" in found.messages[0]
+
+    def test_without_turns_nothing_can_be_said(self, court):
+        straight = simulate_drive(STRAIGHT_TRIAL, CHAIR, random_mounting(0), seed=1).recording
+        with pytest.raises(InputError, match="s of turning"):
+            check_geometry(straight, court[1], CHAIR)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("camber_deg", [0, 19])
+def test_one_wheel_and_the_frame_are_enough(side, camber_deg):
+    geometry = WheelchairGeometry.from_degrees(
+        camber_deg, wheel_radius_left_m=0.31, wheel_radius_right_m=0.31, track_m=0.8
+    )
+    trial, calibration = drive(geometry, noise=IDEAL)
+    gyr = trial.recording.sensors[f"{side}_wheel"].gyr_radps
+    axle = gyr @ calibration.rotation_imu_to_wheel(side)[2]
+    velocity = single_wheel_velocity(axle, trial.yaw_rate_radps, geometry, side=side)
+    assert np.abs(velocity - trial.linear_velocity_mps).max() < 1e-9
+
+
+def test_standard_deviations_by_monte_carlo():
+    rng = np.random.default_rng(3)
+    speed, yaw, gyr_sd, radius_sd, distance_sd = 1.4, 0.8, 0.02, 0.002, 0.006
+    distance = CHAIR.wheel_centre_distance_m
+    left = (speed - yaw * distance / 2) / CHAIR.wheel_radius_left_m
+    right = (speed + yaw * distance / 2) / CHAIR.wheel_radius_right_m
+    speeds, yaws = [], []
+    for _ in range(4000):
+        tape = changed(
+            wheel_radius_left_m=0.3147 + radius_sd * rng.standard_normal(),
+            wheel_radius_right_m=0.3195 + radius_sd * rng.standard_normal(),
+        )
+        rates = (left, right) + gyr_sd * rng.standard_normal(2)
+        speeds.append(float(linear_velocity(*rates, tape)))
+        wide = distance + distance_sd * rng.standard_normal()
+        yaws.append(float(wheel_yaw_rate(*rates, tape, distance_m=wide)))
+    sd = velocity_standard_deviation(left, right, CHAIR, gyr_sd_radps=gyr_sd, radius_sd_m=radius_sd)
+    # 4000 draws give a standard deviation to 1.1 %; three of those.
+    assert np.std(speeds) == pytest.approx(float(sd), rel=0.035)
+    sd = wheel_yaw_standard_deviation(
+        yaw, speed, CHAIR, gyr_sd_radps=gyr_sd, radius_sd_m=radius_sd, distance_sd_m=distance_sd
+    )
+    assert np.std(yaws) == pytest.approx(float(sd), rel=0.035)
+
+
+class TestFilters:
+    def test_savitzky_golay_keeps_what_its_order_holds(self):
+        """The public tool's does nothing at all; this one smooths and keeps a parabola."""
+        t = np.linspace(-1, 1, 201)
+        parabola = np.column_stack([3 * t**2 - t, 0 * t + 2])
+        assert np.allclose(savitzky_golay(parabola, 7, 2), parabola, atol=1e-12)
+        noise = np.random.default_rng(1).standard_normal((5000, 1))
+        assert savitzky_golay(noise, 7, 2).std() < 0.65 * noise.std()  # sqrt(1/3) in theory
+
+    def test_moving_average_of_noise(self):
+        noise = np.random.default_rng(1).standard_normal(20_000)
+        assert moving_average(noise, 9).std() == pytest.approx(1 / 3, rel=0.05)
+        assert np.allclose(moving_average(np.full(20, 2.5), 5), 2.5)
+
+    @pytest.mark.parametrize(("window", "says"), [(4, "odd"), (0, "odd"), (101, "longer")])
+    def test_windows_are_checked(self, window, says):
+        for smooth in (moving_average, lambda v, w: savitzky_golay(v, w, 2)):
+            with pytest.raises(InputError, match=says):
+                smooth(np.zeros(50), window)
+        with pytest.raises(InputError, match="order"):
+            savitzky_golay(np.zeros(50), 5, 5)
+
+
+class TestEvents:
+    def test_events_tile_the_trial_and_add_up(self, court):
+        trial = court[0]
+        codes = identify_tasks(trial.linear_velocity_mps, trial.yaw_rate_radps, 100)
+        table = task_events(
+            trial.recording.time_s, codes, trial.linear_velocity_mps, trial.yaw_rate_radps
+        )
+        assert table["duration_s"].sum() == pytest.approx(len(codes) / 100)
+        assert np.allclose(table["end_s"].to_numpy()[:-1], table["onset_s"].to_numpy()[1:])
+        path = np.abs(trial.linear_velocity_mps).sum() / 100
+        assert table["distance_m"].sum() == pytest.approx(path, rel=1e-3)
+        turned = np.rad2deg(trial.yaw_rate_radps.sum() / 100)
+        assert table["turn_angle_deg"].sum() == pytest.approx(turned, abs=0.5)
+
+    def test_direction_belongs_to_rotations_and_follows_the_sign(self):
+        codes = np.repeat(np.array([1, 4, 2, 6], np.int8), 50)
+        yaw = np.repeat([0.0, 2.0, 0.1, -1.0], 50)
+        way = turn_direction(codes, yaw)
+        assert way[::50].tolist() == ["", "left", "", "right"]
+        assert turn_direction(codes, -yaw)[::50].tolist() == ["", "right", "", "left"]
+
+    def test_court_turns_as_programmed(self, court):
+        trial = court[0]
+        table = task_events(
+            trial.recording.time_s, trial.task, trial.linear_velocity_mps, trial.yaw_rate_radps
+        )
+        pivots = table[table["task"] == Task.PIVOT.title]
+        assert pivots["direction"].tolist() == ["right", "left"]
+
+
+class TestPushes:
+    def test_pushes_of_a_simulated_drive(self, court):
+        """The simulated speed swings as 1 + 0.08 sin(2 pi t): it is lowest at t = 0.75 + k."""
+        trial = court[0]
+        stretch = (trial.recording.time_s > 4) & (trial.recording.time_s < 7)
+        time_s, velocity = trial.recording.time_s[stretch], trial.linear_velocity_mps[stretch]
+        found = detect_pushes(time_s, velocity)
+        inside = found.onset_s[found.onset_s > 4.2]
+        # Half a smoothing width is the precision to be had.
+        assert np.allclose(inside, [4.75, 5.75], atol=0.03)
+        assert np.diff(inside) == pytest.approx([1.0], abs=0.02)
+
+    def test_a_push_from_rest_begins_where_the_rest_ends(self):
+        time_s = np.arange(0, 3, 0.01)
+        velocity = np.clip((time_s - 1.0) / 0.4, 0, 1) - 0.3 * np.clip(time_s - 1.4, 0, None)
+        found = detect_pushes(time_s, velocity)
+        assert found.onset_s == pytest.approx([1.0], abs=0.08)
+        assert found.speed_gain_mps == pytest.approx([1.0], abs=0.1)
+
+    def test_backward_and_rest_have_no_pushes(self):
+        time_s = np.arange(0, 5, 0.01)
+        for velocity in (0 * time_s, -1 - 0.2 * np.sin(2 * np.pi * time_s)):
+            assert len(detect_pushes(time_s, velocity).onset_s) == 0
+
+    def test_settings_are_checked(self):
+        with pytest.raises(InputError, match="smallest_gain_mps"):
+            PushSettings(smallest_gain_mps=0)
