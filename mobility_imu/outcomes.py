@@ -83,7 +83,7 @@ def task_events(
 
 
 FLAT_S = 0.4
-"""Seconds at one speed that make a rest of a low: the push then begins where the rest ends."""
+"""Seconds at one speed that make a low a rest, at whose end the push then begins."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ class Pushes(NamedTuple):
 
     @property
     def frequency_hz(self) -> float:
-        """Pushes per second while pushing: one over the median time between onsets."""
+        """Pushes per second while pushing, one over the median time between onsets."""
         if len(self.onset_s) < 2:
             return float("nan")
         return float(1 / np.median(np.diff(self.onset_s)))

@@ -69,6 +69,7 @@ PRIOR_SD_DEG = {
     **{f"{imu} bias {axis}": 0.286 for imu in ("lever", "body") for axis in "xyz"},
 }
 PARAMETERS = tuple(PRIOR_SD_DEG)
+"""Names of all free parameters, in the order of the vectors."""
 _NOISE = PARAMETERS[16:18]
 MODELS: dict[str, tuple[str, ...]] = {
     "geometry": (),
@@ -85,7 +86,7 @@ OTHER_MODELS: dict[str, tuple[str, ...]] = {
     "mounting and noise": (*PARAMETERS[:6], *_NOISE),
     "+ noise + rivals": PARAMETERS,
 }
-"""Not in the chain: which steps of it matter, and whether its values survive rival causes.
+"""Models beside the chain. They show which of its steps matter, and whether its values survive.
 
 The rivals are an error of alpha (one of beta is one of the lever IMU about x, exactly), offset and
 range of the two reference angles, and both accelerometers' biases.
