@@ -132,6 +132,97 @@ def _rolling_speeds(
     return radius.left * np.asarray(rate_left, float), radius.right * np.asarray(rate_right, float)
 
 
+def single_wheel_velocity(
+    rate_axle_radps: ArrayLike,
+    yaw_rate_radps: ArrayLike,
+    geometry: WheelchairGeometry,
+    *,
+    side: Side,
+) -> FloatArray:
+    """Chair's velocity from one wheel and the frame, when the other sensor is missing.
+
+    The wheel's centre moves at radius times the uncorrected rate; the yaw rate takes it to the
+    middle. Slip of that wheel cannot be seen any more.
+
+    Parameters
+    ----------
+    rate_axle_radps : (n,) array, rad/s, wheel gyroscope along the axle, forward positive
+    yaw_rate_radps : (n,) array, rad/s, frame gyroscope, left positive
+    geometry : WheelchairGeometry
+    side : of the wheel that has a sensor
+
+    Returns
+    -------
+    (n,) array, m/s, midway between the wheels' contacts
+    """
+    radius = getattr(geometry.wheel_radius_m, side)
+    centre = geometry.wheel_centre(side)[1]
+    rolling = radius * np.asarray(rate_axle_radps, float)
+    return rolling + centre * np.asarray(yaw_rate_radps, float)
+
+
+def velocity_standard_deviation(
+    rate_left_radps: ArrayLike,
+    rate_right_radps: ArrayLike,
+    geometry: WheelchairGeometry,
+    *,
+    gyr_sd_radps: float,
+    radius_sd_m: float,
+) -> FloatArray:
+    """Standard deviation of the linear velocity (eq. 1.17, first order).
+
+    Noise of both gyroscopes and errors of both radii, all independent. A radius error is one
+    draw for the whole recording, so it does not average out. Camber and track do not enter.
+
+    Parameters
+    ----------
+    rate_left_radps, rate_right_radps : (n,) arrays, rad/s
+    geometry : WheelchairGeometry
+    gyr_sd_radps : rad/s, of each sample
+    radius_sd_m : m, of each radius
+
+    Returns
+    -------
+    (n,) array, m/s
+    """
+    radius = geometry.wheel_radius_m
+    left, right = np.asarray(rate_left_radps, float), np.asarray(rate_right_radps, float)
+    noise = gyr_sd_radps**2 * (radius.left**2 + radius.right**2)
+    return np.sqrt(noise + radius_sd_m**2 * (left**2 + right**2)) / 2
+
+
+def wheel_yaw_standard_deviation(
+    yaw_rate_radps: ArrayLike,
+    linear_velocity_mps: ArrayLike,
+    geometry: WheelchairGeometry,
+    *,
+    gyr_sd_radps: float,
+    radius_sd_m: float,
+    distance_sd_m: float,
+) -> FloatArray:
+    """Standard deviation of the wheels' yaw rate with the wheel-centre distance (eq. 1.18).
+
+    Radius errors weigh most: they scale each wheel's speed and meet in the difference. The
+    frame's yaw rate has its gyroscope's noise and nothing else.
+
+    Parameters
+    ----------
+    yaw_rate_radps, linear_velocity_mps : (n,) arrays, rad/s and m/s
+    geometry : WheelchairGeometry
+    gyr_sd_radps, radius_sd_m, distance_sd_m : as above, and of the distance of the wheel centres
+
+    Returns
+    -------
+    (n,) array, rad/s
+    """
+    yaw, speed = np.asarray(yaw_rate_radps, float), np.asarray(linear_velocity_mps, float)
+    radius, distance = geometry.wheel_radius_m, geometry.wheel_centre_distance_m
+    left, right = speed - yaw * distance / 2, speed + yaw * distance / 2
+    noise = gyr_sd_radps**2 * (radius.left**2 + radius.right**2)
+    sizes = radius_sd_m**2 * ((left / radius.left) ** 2 + (right / radius.right) ** 2)
+    return np.sqrt(noise + sizes + (yaw * distance_sd_m) ** 2) / distance
+
+
 def printed_yaw_gain(geometry: WheelchairGeometry) -> tuple[float, float]:
     """Factors by which the printed camber term falsifies the wheels' yaw rate.
 
@@ -198,8 +289,9 @@ def estimate_velocity(
     geometry : WheelchairGeometry
     camber : "sign-safe" takes the yaw rate's share out of each wheel with its sign; "printed"
         follows (1.16) to the letter, as the public tool does
-    slip_correction : put the integrated frame acceleration in place of the wheels' speed where
-        they slip
+    slip_correction : where the wheels disagree, take the speed from the wheel that still rolls
+        (:func:`~mobility_imu.wheelchair.slip.correct_slip`); with the printed camber term, which
+        tells no wheel from the other, integrate the frame's acceleration as the tool does
 
     Returns
     -------
@@ -210,7 +302,7 @@ def estimate_velocity(
     InputError
         If a sensor or a gyroscope is missing, or ``camber`` is neither of the two.
     """
-    from mobility_imu.wheelchair.slip import correct_slip, detect_slip
+    from mobility_imu.wheelchair.slip import correct_slip, detect_slip, wheel_speeds
 
     if camber not in ("sign-safe", "printed"):
         raise InputError(f"camber = {camber!r}: expected 'sign-safe' or 'printed'")
@@ -232,7 +324,14 @@ def estimate_velocity(
     windows = detect_slip(yaw_rate, wheel_yaw, trial.sampling_rate_hz)
     if slip_correction:
         forward = frame.acc_mps2 @ calibration.rotation_frame_imu_to_chair[0]
-        velocity = correct_slip(velocity, forward, windows, trial.sampling_rate_hz)
+        velocity = correct_slip(
+            velocity,
+            forward,
+            windows,
+            trial.sampling_rate_hz,
+            wheels=wheel_speeds(velocity, wheel_yaw, yaw_rate, geometry),
+            method="wheels" if camber == "sign-safe" else "tool",
+        )
     return ChairVelocity(
         time_s=trial.time_s,
         linear_velocity_mps=as_series(velocity, "linear velocity"),
