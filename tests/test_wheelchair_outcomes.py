@@ -16,7 +16,13 @@ from mobility_imu.simulation.wheelchair import (
     random_mounting,
     simulate_drive,
 )
-from mobility_imu.wheelchair import Task, WheelchairGeometry, calibrate, identify_tasks
+from mobility_imu.wheelchair import (
+    Task,
+    WheelchairGeometry,
+    calibrate,
+    estimate_velocity,
+    identify_tasks,
+)
 from mobility_imu.wheelchair.check import check_geometry
 from mobility_imu.wheelchair.velocity import (
     linear_velocity,
@@ -129,6 +135,41 @@ def test_one_wheel_and_the_frame_are_enough(side, camber_deg):
     axle = gyr @ calibration.rotation_imu_to_wheel(side)[2]
     velocity = single_wheel_velocity(axle, trial.yaw_rate_radps, geometry, side=side)
     assert np.abs(velocity - trial.linear_velocity_mps).max() < 1e-9
+
+
+@pytest.mark.parametrize("missing", ["left_wheel", "right_wheel"])
+def test_a_missing_wheel_sensor(missing):
+    def without(recording):
+        sensors = {name: imu for name, imu in recording.sensors.items() if name != missing}
+        return Recording(recording.time_s, sensors)
+
+    mounting = random_mounting(4)
+    static, straight, court = (
+        simulate_drive(legs, CHAIR, mounting, seed=k, noise=IDEAL)
+        for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
+    )
+    calibration = calibrate(static.recording, without(straight.recording))
+    trial = without(court.recording)
+    with pytest.warns(UserWarning, match="slip cannot be seen"):
+        found = estimate_velocity(trial, calibration, CHAIR)
+    assert np.abs(found.linear_velocity_mps - court.linear_velocity_mps).max() < 1e-9
+    assert not found.slip.any()
+    with pytest.raises(InputError, match="needs both wheels"):
+        estimate_velocity(trial, calibration, CHAIR, camber="printed")
+
+
+def test_swapped_wheels_are_refused():
+    def swap(recording):
+        names = {"frame": "frame", "left_wheel": "right_wheel", "right_wheel": "left_wheel"}
+        return Recording(recording.time_s, {a: recording.sensors[b] for a, b in names.items()})
+
+    mounting = random_mounting(4)
+    static, straight, court = (
+        swap(simulate_drive(legs, CHAIR, mounting, seed=k).recording)
+        for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
+    )
+    with pytest.raises(InputError, match="swapped"):
+        estimate_velocity(court, calibrate(static, straight), CHAIR)
 
 
 def test_standard_deviations_by_monte_carlo():

@@ -192,7 +192,8 @@ def calibrate(static: Recording, straight: Recording) -> WheelchairCalibration:
     Parameters
     ----------
     static : the chair standing still
-    straight : the chair pushed straight forward, some metres, from rest or rolling
+    straight : the chair pushed straight forward, some metres, from rest or rolling; a wheel whose
+        sensor is missing gets a rotation of NaN
 
     Returns
     -------
@@ -205,9 +206,11 @@ def calibrate(static: Recording, straight: Recording) -> WheelchairCalibration:
         gives the number that shows it.
     """
     up = _up(static)
-    rotations, rates, shares = [], [], []
-    sides: tuple[Side, Side] = ("left", "right")
-    for side in sides:
+    rotations = {side: np.full((3, 3), np.nan) for side in ("left", "right")}
+    shares = dict.fromkeys(rotations, np.nan)
+    rates = []
+    present = [side for side in rotations if f"{side}_wheel" in straight.sensors]
+    for side in present or rotations:
         gyr = _gyroscope(straight, f"{side}_wheel")
         travel = float(np.abs(np.linalg.norm(gyr, axis=1)).sum() / straight.sampling_rate_hz)
         if travel < SMALLEST_TRAVEL_RAD:
@@ -223,9 +226,9 @@ def calibrate(static: Recording, straight: Recording) -> WheelchairCalibration:
                 "is loose"
             )
         angles = wheel_alignment_angles(direction)
-        rotations.append(alignment_matrix(*angles).T)
+        rotations[side] = alignment_matrix(*angles).T
         rates.append(gyr @ direction)
-        shares.append(share)
+        shares[side] = share
     yaw_rate = _gyroscope(straight, "frame") @ up
     heading = np.cumsum(yaw_rate) / straight.sampling_rate_hz
     if np.ptp(heading) > LARGEST_HEADING_CHANGE_RAD:
@@ -236,10 +239,10 @@ def calibrate(static: Recording, straight: Recording) -> WheelchairCalibration:
         )
     forward = _forward(straight, up, np.mean(rates, axis=0))
     return WheelchairCalibration(
-        rotation_left_imu_to_wheel=rotations[0],
-        rotation_right_imu_to_wheel=rotations[1],
+        rotation_left_imu_to_wheel=rotations["left"],
+        rotation_right_imu_to_wheel=rotations["right"],
         rotation_frame_imu_to_chair=np.array([forward, np.cross(up, forward), up]),
-        off_axle_share=(shares[0], shares[1]),
+        off_axle_share=(shares["left"], shares["right"]),
     )
 
 

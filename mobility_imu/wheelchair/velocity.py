@@ -7,6 +7,7 @@ the uncorrected rate with the distance between wheel centres, and the spin with 
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -284,7 +285,8 @@ def estimate_velocity(
 
     Parameters
     ----------
-    trial : Recording with sensors frame, left_wheel, right_wheel
+    trial : Recording with sensors frame, left_wheel, right_wheel. One wheel may be missing: the
+        other and the frame then give the speed, with a warning, and slip cannot be seen
     calibration : from :func:`~mobility_imu.wheelchair.calibration.calibrate`
     geometry : WheelchairGeometry
     camber : "sign-safe" takes the yaw rate's share out of each wheel with its sign; "printed"
@@ -300,7 +302,8 @@ def estimate_velocity(
     Raises
     ------
     InputError
-        If a sensor or a gyroscope is missing, or ``camber`` is neither of the two.
+        If a sensor or a gyroscope is missing, the wheels turn against the frame (left and right
+        swapped), or ``camber`` is neither of the two.
     """
     from mobility_imu.wheelchair.slip import correct_slip, detect_slip, wheel_speeds
 
@@ -316,11 +319,16 @@ def estimate_velocity(
             return wheel_spin_rate_printed(gyr, geometry.camber_rad, side=side)
         return wheel_spin_rate(gyr[:, 2], yaw_rate, geometry.camber_rad, side=side)
 
+    sides: tuple[Side, Side] = ("left", "right")
+    present = [side for side in sides if f"{side}_wheel" in trial.sensors]
+    if len(present) == 1:
+        return _one_wheel(trial, calibration, geometry, yaw_rate, present[0], camber)
     left, right = spin("left"), spin("right")
     # The printed document pairs its spin with the wheel-centre distance.
     distance = geometry.track_m if camber == "sign-safe" else geometry.wheel_centre_distance_m
     velocity = linear_velocity(left, right, geometry)
     wheel_yaw = wheel_yaw_rate(left, right, geometry, distance_m=distance)
+    _refuse_swapped_wheels(trial, yaw_rate, wheel_yaw)
     windows = detect_slip(yaw_rate, wheel_yaw, trial.sampling_rate_hz)
     if slip_correction:
         forward = frame.acc_mps2 @ calibration.rotation_frame_imu_to_chair[0]
@@ -339,3 +347,43 @@ def estimate_velocity(
         wheel_yaw_rate_radps=wheel_yaw,
         slip=windows.flags(len(trial)),
     )
+
+
+def _one_wheel(
+    trial: Recording,
+    calibration: WheelchairCalibration,
+    geometry: WheelchairGeometry,
+    yaw_rate: FloatArray,
+    side: Side,
+    camber: Camber,
+) -> ChairVelocity:
+    if camber == "printed":
+        raise InputError(f"{trial.source}: eq. 1.16 as printed needs both wheels, found the {side}")
+    warnings.warn(
+        f"{trial.source}: only the {side} wheel has a sensor; speed from it and the frame, slip "
+        "cannot be seen",
+        stacklevel=3,
+    )
+    gyr = np.asarray(trial.sensor(f"{side}_wheel", gyroscope=True).gyr_radps)
+    axle = gyr @ calibration.rotation_imu_to_wheel(side)[2]
+    velocity = single_wheel_velocity(axle, yaw_rate, geometry, side=side)
+    return ChairVelocity(
+        time_s=trial.time_s,
+        linear_velocity_mps=as_series(velocity, f"{trial.source}: linear velocity"),
+        yaw_rate_radps=yaw_rate,
+        wheel_yaw_rate_radps=np.full(len(trial), np.nan),
+        slip=np.zeros(len(trial), bool),
+    )
+
+
+def _refuse_swapped_wheels(trial: Recording, yaw_rate: FloatArray, wheel_yaw: FloatArray) -> None:
+    """In a second of turning, wheels that were swapped turn the other way."""
+    turning = np.abs(yaw_rate) > 0.3
+    if turning.sum() < trial.sampling_rate_hz:
+        return
+    gain = float(yaw_rate[turning] @ wheel_yaw[turning] / (yaw_rate[turning] @ yaw_rate[turning]))
+    if gain < -0.3:
+        raise InputError(
+            f"{trial.source}: the wheels' yaw rate is {gain:.2f} times the frame's, expected about "
+            "1: left and right wheel are swapped, or the frame's sensor is upside down"
+        )
