@@ -571,9 +571,7 @@ def test_missing_sensor_or_gyroscope_is_named():
     static, straight, drive = trials(SAMPLE_CHAIR, 0)
     calibration = calibrated(static, straight)
     sensors = dict(drive.recording.sensors)
-    without = Recording(
-        drive.recording.time_s, {k: v for k, v in sensors.items() if k != "frame"}
-    )
+    without = Recording(drive.recording.time_s, {k: v for k, v in sensors.items() if k != "frame"})
     with pytest.raises(InputError, match=r"no sensor 'frame'.*left_wheel, right_wheel"):
         estimate_velocity(without, calibration, SAMPLE_CHAIR)
     blind = Recording(drive.recording.time_s, sensors | {"frame": Imu(sensors["frame"].acc_mps2)})
