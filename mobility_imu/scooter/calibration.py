@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.readers.geometry import read_arrays
 from mobility_imu.recording import Recording
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 
@@ -218,24 +219,14 @@ def read_mounting(path: str | Path) -> ScooterMounting | None:
     InputError
         If a matrix is missing or is no rotation.
     """
-    import tomllib
-
-    from mobility_imu.readers.table import read_text
-
-    table = tomllib.loads(read_text(path)).get("scooter", {}).get("mount")
-    if table is None:
+    keys = ("rotation_lever_imu_to_lever", "rotation_body_imu_to_body")
+    found = read_arrays(path, "scooter.mount", dict.fromkeys(keys, (3, 3)))
+    if found is None:
         return None
-    matrices = []
-    for key in ("rotation_lever_imu_to_lever", "rotation_body_imu_to_body"):
-        try:
-            matrix = np.array(table[key], float)
-            good = matrix.shape == (3, 3) and np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-3)
-        except (KeyError, TypeError, ValueError):
-            good = False
-        if not good:
+    for key, matrix in found.items():
+        if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-3):
             raise InputError(f"{path}, [scooter.mount] {key}: expected a 3 x 3 rotation matrix")
-        matrices.append(matrix)
-    return ScooterMounting(matrices[0], matrices[1], np.full(6, np.nan), ())
+    return ScooterMounting(found[keys[0]], found[keys[1]], np.full(6, np.nan), ())
 
 
 def _directions(vectors: Sequence[ArrayLike]) -> FloatArray:

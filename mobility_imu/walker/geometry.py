@@ -1,0 +1,211 @@
+"""A walking frame's footprint, and how an IMU is fixed to it (Doan & Pham).
+
+Frames:
+
+* world: z up; where x points is a matter of choice, see :mod:`mobility_imu.walker.navigation`.
+* body: origin on the floor midway between the rear tips C and D, x forward, y left, z up.
+* IMU: the axes printed on the sensor.
+
+Tips: A front left, B front right, C rear right, D rear left. Quaternions are Hamilton's, scalar
+first, and turn IMU components into world components.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray
+from mobility_imu.readers.geometry import read_arrays, read_section
+
+TiltDirection = Literal["front", "back", "right", "left"]
+TILT_DIRECTIONS: tuple[TiltDirection, ...] = ("front", "back", "right", "left")
+"""The four tilts, in the order of the paper's procedure."""
+
+
+class Edge(NamedTuple):
+    """An edge of the footprint that the frame can be tilted about.
+
+    Parameters
+    ----------
+    point_m : (3,) array, m, body frame, middle of the edge
+    axis : (3,) array, unit vector in the body frame; the tilt turns positively about it
+    """
+
+    point_m: FloatArray
+    axis: FloatArray
+
+
+@dataclass(frozen=True)
+class WalkerGeometry:
+    """What has to be measured on the walking frame.
+
+    Parameters
+    ----------
+    footprint_width_m : float, m, AB = CD, between the left and the right tips
+    footprint_length_m : float, m, AD = BC, between the rear and the front tips
+
+    Raises
+    ------
+    InputError
+        If a length is impossible; the message says which and guesses at a wrong unit.
+
+    Examples
+    --------
+    >>> WalkerGeometry(0.60, 0.52).edge("left").point_m.tolist()
+    [0.26, 0.3, 0.0]
+    """
+
+    footprint_width_m: float
+    footprint_length_m: float
+
+    def __post_init__(self) -> None:
+        """Refuse what no walking frame has."""
+        for name in ("footprint_width_m", "footprint_length_m"):
+            length = getattr(self, name)
+            if not np.isfinite(length) or not 0.2 <= length <= 1.2:
+                hint = ""
+                if 20 <= length <= 120:
+                    hint = " (in cm?)"
+                elif 200 <= length <= 1200:
+                    hint = " (in mm?)"
+                raise InputError(f"{name} = {length:g}: expected between 0.2 and 1.2 m{hint}")
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> WalkerGeometry:
+        """Read section [walker] of a geometry file."""
+        keys = ("footprint_width_m", "footprint_length_m")
+        values = read_section(path, "walker", keys)
+        try:
+            return cls(**values)
+        except InputError as error:
+            raise InputError(f"{path}, [walker]: {error}") from None
+
+    def edge(self, direction: TiltDirection) -> Edge:
+        """Give the edge that a tilt goes about: AB front, CD back, BC right, AD left."""
+        width, length = self.footprint_width_m, self.footprint_length_m
+        edges = {
+            "front": ((length, 0, 0), (0, 1, 0)),
+            "back": ((0, 0, 0), (0, -1, 0)),
+            "right": ((length / 2, -width / 2, 0), (1, 0, 0)),
+            "left": ((length / 2, width / 2, 0), (-1, 0, 0)),
+        }
+        if direction not in edges:
+            raise InputError(f"direction = {direction!r}: expected one of {', '.join(edges)}")
+        point, axis = edges[direction]
+        return Edge(np.array(point, float), np.array(axis, float))
+
+
+@dataclass(frozen=True)
+class WalkerMount:
+    """How the IMU is fixed to the walking frame.
+
+    Parameters
+    ----------
+    rotation_imu_to_body : (3, 3) array, turns components in the IMU's axes into the body's
+    translation_body_m : (3,) array, m, position of the IMU in the body frame
+
+    Raises
+    ------
+    InputError
+        If the matrix is not a rotation, or the position is out of any frame's reach.
+    """
+
+    rotation_imu_to_body: FloatArray
+    translation_body_m: FloatArray
+
+    def __post_init__(self) -> None:
+        """Refuse what is no rotation, or no place on a walking frame."""
+        rotation = np.asarray(self.rotation_imu_to_body, float)
+        place = np.asarray(self.translation_body_m, float)
+        if rotation.shape != (3, 3) or not np.isfinite(rotation).all():
+            raise InputError("rotation_imu_to_body: expected three rows of three numbers")
+        defect = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+        if defect > 1e-3 or np.linalg.det(rotation) < 0:
+            raise InputError(
+                f"rotation_imu_to_body: not a rotation (C C' is off 1 by {defect:.2g}, "
+                f"determinant {np.linalg.det(rotation):.4f})"
+            )
+        if place.shape != (3,) or not np.isfinite(place).all():
+            raise InputError("translation_body_m: expected three numbers")
+        if np.abs(place).max() > 2:
+            raise InputError(
+                f"translation_body_m = {place.tolist()}: expected within 2 m (in cm or mm?)"
+            )
+        object.__setattr__(self, "rotation_imu_to_body", rotation)
+        object.__setattr__(self, "translation_body_m", place)
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> WalkerMount:
+        """Read section [walker.mount], as ``mobility-imu walker calibrate`` writes it."""
+        found = read_arrays(
+            path, "walker.mount", {"rotation_imu_to_body": (3, 3), "translation_body_m": (3,)}
+        )
+        if found is None:
+            raise InputError(
+                f"{path}: no section [walker.mount] (`mobility-imu walker calibrate` writes it)"
+            )
+        try:
+            return cls(**found)
+        except InputError as error:
+            raise InputError(f"{path}, [walker.mount]: {error}") from None
+
+
+def rotation_world_to_imu(
+    quaternion: ArrayLike, *, form: Literal["corrected", "printed"] = "corrected"
+) -> FloatArray:
+    """Rotation matrix C(q), world to IMU, of an attitude quaternion (eq. 1).
+
+    As printed two entries name the wrong components: row 2 column 3 and row 3 column 2; the
+    result is no rotation. The paper counts q(4) as the scalar here, and q(1) elsewhere.
+
+    Parameters
+    ----------
+    quaternion : (..., 4) array, Hamilton, scalar first, IMU to world
+    form : "corrected", or "printed" to see what the print gives
+
+    Returns
+    -------
+    (..., 3, 3) array
+
+    Examples
+    --------
+    >>> rotation_world_to_imu([0.5**0.5, 0.0, 0.0, 0.5**0.5]).round(3).tolist()
+    [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    if form not in ("corrected", "printed"):
+        raise InputError(f"form = {form!r}: expected 'corrected' or 'printed'")
+    q = np.asarray(quaternion, float)
+    if q.shape[-1:] != (4,):
+        raise InputError(f"quaternion: expected four components, got shape {q.shape}")
+    q4, q1, q2, q3 = np.moveaxis(q, -1, 0)
+    yz, zy = (q2 * q3, q2 * q3) if form == "corrected" else (q1 * q2, q1 * q3)
+    rows = [
+        [q4**2 + q1**2 - q2**2 - q3**2, 2 * (q1 * q2 + q4 * q3), 2 * (q1 * q3 - q4 * q2)],
+        [2 * (q1 * q2 - q4 * q3), q4**2 - q1**2 + q2**2 - q3**2, 2 * (yz + q4 * q1)],
+        [2 * (q1 * q3 + q4 * q2), 2 * (zy - q4 * q1), q4**2 - q1**2 - q2**2 + q3**2],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def rotation_body_to_world(forward: Sequence[float] | FloatArray) -> FloatArray:
+    """Body to world of a frame that stands upright, from its forward axis (eqs 2, 6).
+
+    Parameters
+    ----------
+    forward : (3,) array, unit vector, horizontal, the body's x axis in the world
+
+    Returns
+    -------
+    (3, 3) array with the body's axes as columns
+    """
+    x_axis, up = np.asarray(forward, float), np.array([0.0, 0.0, 1.0])
+    if x_axis.shape != (3,) or abs(x_axis @ x_axis - 1) > 1e-9 or abs(x_axis[2]) > 1e-9:
+        raise InputError(f"forward = {x_axis.tolist()}: expected a horizontal unit vector")
+    return np.column_stack([x_axis, np.cross(up, x_axis), up])
