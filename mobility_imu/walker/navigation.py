@@ -1,0 +1,854 @@
+"""Where the IMU goes: strapdown integration with an error-state Kalman filter and smoother.
+
+World frame: z up, origin where the IMU is at the start. Its heading is a matter of choice: here
+the IMU is brought upright by the shortest turn. (The paper lays x in the vertical plane of the
+IMU's x axis, which fails where that axis is vertical, as it nearly is in its third mounting.)
+
+A reading stands for the interval around its sample. The filter therefore steps from midpoint to
+midpoint between samples; what is given out is brought back to the samples.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_series, as_vectors
+from mobility_imu.walker.geometry import rotation_world_to_imu
+
+STATES = ("attitude", "gyr_bias", "position", "velocity", "acc_bias")
+"""Order of the error state, three components each: eq. 23."""
+GRAVITY_MPS2 = np.array([0.0, 0.0, STANDARD_GRAVITY_MPS2])
+"""The vector g of eq. 21: it must point up, or a resting accelerometer would read downward."""
+
+_DEG = float(np.deg2rad(1))
+# Where the sensor was cut off, this much noise (m/s² per sample) says that nothing is known.
+CUT_ACC_SD_MPS2 = 20.0
+
+
+@dataclass(frozen=True)
+class NavigationSettings:
+    """What the filter takes for granted. The first two are the MTi-1's data sheet.
+
+    Parameters
+    ----------
+    gyr_noise_radps_sqrthz : rad/s/sqrt(Hz), density of the gyroscope's noise
+    acc_noise_mps2_sqrthz : m/s²/sqrt(Hz), density of the accelerometer's noise
+    gyr_noise_factor, acc_noise_factor : 1, the filter's noise over the sensor's; more than 1 stands
+        in for what is not white noise (scale factor, misalignment, sampling)
+    gyr_bias_walk : rad/s per square root of s, how fast the bias may wander
+    acc_bias_walk : m/s² per square root of s
+    gyr_bias_sd_radps : rad/s, doubt of the bias at the start beyond that of the mean
+    acc_bias_sd_mps2 : m/s², bias at the start; the first attitude errs with it
+    velocity_noise : m/s per square root of Hz, of a frame that stands: zero-velocity update
+    height_noise : m per square root of Hz, of the floor: zero-height update
+    rate_noise : rad/s per square root of Hz, of a frame that stands: zero-rate update
+    upright_rad : rad, the height is known only within this angle of the first attitude
+    zero_rate : whether to make zero-rate updates, which the paper does not
+    initial_gyr_mean : whether to start with the mean of the gyroscope over the first still stretch
+    dynamics : error dynamics, "corrected" or as "printed" in eq. 24
+    """
+
+    gyr_noise_radps_sqrthz: float = 0.007 * _DEG
+    acc_noise_mps2_sqrthz: float = 120e-6 * STANDARD_GRAVITY_MPS2
+    gyr_noise_factor: float = 3.0
+    acc_noise_factor: float = 5.0
+    gyr_bias_walk: float = 1e-5
+    acc_bias_walk: float = 1e-4
+    gyr_bias_sd_radps: float = 0.01 * _DEG
+    acc_bias_sd_mps2: float = 0.03
+    velocity_noise: float = 0.001
+    height_noise: float = 0.0005
+    rate_noise: float = 0.014 * _DEG
+    upright_rad: float = 3 * _DEG
+    zero_rate: bool = True
+    initial_gyr_mean: bool = True
+    dynamics: Literal["corrected", "printed"] = "corrected"
+
+    def __post_init__(self) -> None:
+        """Refuse what no filter can work with."""
+        for name, value in vars(self).items():
+            if name == "dynamics":
+                if value not in ("corrected", "printed"):
+                    raise InputError(f"dynamics = {value!r}: expected 'corrected' or 'printed'")
+            elif not isinstance(value, bool) and not (np.isfinite(value) and value > 0):
+                raise InputError(f"{name} = {value}: expected a positive number")
+
+
+class NavigationState(NamedTuple):
+    """State of an IMU: attitude (4,), position, velocity, biases of gyroscope and accelerometer."""
+
+    quaternion: FloatArray
+    position_m: FloatArray
+    velocity_mps: FloatArray
+    gyr_bias_radps: FloatArray
+    acc_bias_mps2: FloatArray
+
+
+class Navigation(NamedTuple):
+    """Path of the IMU with standard deviations, at the samples; arrays with n rows.
+
+    Parameters
+    ----------
+    time_s : (n,) s
+    quaternion : (n, 4) Hamilton, scalar first, IMU to world
+    position_m, velocity_mps : (n, 3) world
+    gyr_bias_radps, acc_bias_mps2 : (n, 3) IMU's axes
+    sd : (n, 15) standard deviations in the order of STATES; the attitude's are half angles, rad,
+        about the IMU's axes
+    still : (n,) bool
+    nis : (n,) normalised innovation squared, summed over the updates of a sample
+    nis_dof : (n,) int, number of these updates
+    """
+
+    time_s: FloatArray
+    quaternion: FloatArray
+    position_m: FloatArray
+    velocity_mps: FloatArray
+    gyr_bias_radps: FloatArray
+    acc_bias_mps2: FloatArray
+    sd: FloatArray
+    still: NDArray[np.bool_]
+    nis: FloatArray
+    nis_dof: NDArray[np.int64]
+
+    def rotation_imu_to_world(self) -> FloatArray:
+        """Give the attitude as matrices, (n, 3, 3)."""
+        return np.swapaxes(rotation_world_to_imu(self.quaternion), 1, 2)
+
+
+def strapdown_rates(
+    quaternion: ArrayLike, velocity_mps: ArrayLike, rate_radps: ArrayLike, acc_imu_mps2: ArrayLike
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Rates of attitude, velocity and position of an IMU (eq. 20).
+
+    Parameters
+    ----------
+    quaternion : (4,) array, Hamilton, scalar first, IMU to world
+    velocity_mps : (3,) array, m/s, world
+    rate_radps : (3,) array, rad/s, of the IMU against the world, in the IMU's axes
+    acc_imu_mps2 : (3,) array, m/s², acceleration without gravity, in the IMU's axes
+
+    Returns
+    -------
+    (4,), (3,), (3,) arrays : time derivatives of quaternion, velocity and position
+    """
+    w1, w2, w3 = np.asarray(rate_radps, float)
+    matrix = np.array([[0, -w1, -w2, -w3], [w1, 0, w3, -w2], [w2, -w3, 0, w1], [w3, w2, -w1, 0]])
+    q = np.asarray(quaternion, float)
+    to_world = rotation_world_to_imu(q).T
+    return 0.5 * matrix @ q, to_world @ np.asarray(acc_imu_mps2, float), np.array(velocity_mps)
+
+
+def imu_output(
+    state: NavigationState, acc_world_mps2: ArrayLike, rate_radps: ArrayLike
+) -> tuple[FloatArray, FloatArray]:
+    """Readings of accelerometer and gyroscope, white noise aside (eq. 21).
+
+    Parameters
+    ----------
+    state : NavigationState
+    acc_world_mps2 : (3,) array, m/s², acceleration in the world
+    rate_radps : (3,) array, rad/s, in the IMU's axes
+
+    Returns
+    -------
+    (3,), (3,) arrays : specific force in m/s² and rate in rad/s; at rest and upright +9.81 along z
+    """
+    to_imu = rotation_world_to_imu(state.quaternion)
+    force = to_imu @ (np.asarray(acc_world_mps2, float) + GRAVITY_MPS2)
+    return force + state.acc_bias_mps2, np.asarray(rate_radps, float) + state.gyr_bias_radps
+
+
+def state_error(true: NavigationState, estimate: NavigationState) -> FloatArray:
+    """Error state of an estimate, true minus estimated (eqs 22-23).
+
+    Parameters
+    ----------
+    true, estimate : NavigationState
+
+    Returns
+    -------
+    (15,) array in the order of STATES; the attitude's part is half the rotation vector, rad
+    """
+    w, x, y, z = estimate.quaternion
+    back = np.array([[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
+    return np.concatenate(
+        [
+            back @ true.quaternion,
+            true.gyr_bias_radps - estimate.gyr_bias_radps,
+            true.position_m - estimate.position_m,
+            true.velocity_mps - estimate.velocity_mps,
+            true.acc_bias_mps2 - estimate.acc_bias_mps2,
+        ]
+    )
+
+
+def error_dynamics(
+    quaternion: ArrayLike,
+    rate_radps: ArrayLike,
+    force_mps2: ArrayLike,
+    *,
+    dynamics: Literal["corrected", "printed"] = "corrected",
+) -> FloatArray:
+    """Matrix A of the error state's differential equation (eq. 24).
+
+    The paper prints +1/2 where the gyroscope's bias acts on the attitude, and nothing where the
+    accelerometer's bias acts on the velocity. Eqs 20 to 22 give -1/2 and -C'(q).
+
+    Parameters
+    ----------
+    quaternion : (4,) array, Hamilton, scalar first, IMU to world
+    rate_radps : (3,) array, rad/s, gyroscope less its estimated bias
+    force_mps2 : (3,) array, m/s², accelerometer less its estimated bias
+    dynamics : "corrected" or "printed"
+
+    Returns
+    -------
+    (15, 15) array, blocks in the order of STATES
+    """
+    to_world = rotation_world_to_imu(quaternion).T
+    a = np.zeros((15, 15))
+    a[0:3, 0:3] = -_cross_matrix(np.asarray(rate_radps, float))
+    a[0:3, 3:6] = (0.5 if dynamics == "printed" else -0.5) * np.eye(3)
+    a[6:9, 9:12] = np.eye(3)
+    a[9:12, 0:3] = -2 * to_world @ _cross_matrix(np.asarray(force_mps2, float))
+    if dynamics == "corrected":
+        a[9:12, 12:15] = -to_world
+    return a
+
+
+def step_transition(
+    state: NavigationState,
+    acc_mps2: ArrayLike,
+    gyr_radps: ArrayLike,
+    dt_s: float,
+    *,
+    dynamics: Literal["corrected", "printed"] = "corrected",
+) -> tuple[NavigationState, FloatArray]:
+    """One step of the integration, and what it does to a small error: eq. 24 over one interval.
+
+    Parameters
+    ----------
+    state : NavigationState before the interval
+    acc_mps2, gyr_radps : (3,) arrays, readings over the interval
+    dt_s : s
+    dynamics : "corrected" or "printed"
+
+    Returns
+    -------
+    NavigationState after the interval, and the (15, 15) transition matrix
+    """
+    x = np.concatenate(list(state))
+    sign, couple = _signs(dynamics)
+    after, blocks = np.empty(16), np.zeros((7, 3, 3))
+    _advance(x, np.array(acc_mps2, float), np.array(gyr_radps, float), dt_s, 1.0, sign, couple,
+             after, blocks)  # fmt: skip
+    phi = np.eye(15)
+    qq, qb, vq, vb, va = blocks[:5]
+    phi[0:3, 0:3], phi[0:3, 3:6] = qq, qb
+    for column, block in ((0, vq), (3, vb), (12, va)):
+        phi[9:12, column : column + 3] = block
+        phi[6:9, column : column + 3] = dt_s / 2 * block
+    phi[6:9, 9:12] = dt_s * np.eye(3)
+    return _split(after), phi
+
+
+def integrate_strapdown(
+    time_s: ArrayLike,
+    acc_mps2: ArrayLike,
+    gyr_radps: ArrayLike,
+    start: NavigationState,
+    *,
+    still: ArrayLike | None = None,
+) -> Navigation:
+    """Integrate eqs 20 and 21 without a filter; the velocity is set to 0 where the frame is still.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    acc_mps2, gyr_radps : (n, 3) arrays, in the IMU's axes
+    start : NavigationState at the first sample (its biases are taken off throughout)
+    still : (n,) bool array, none if it is not given
+
+    Returns
+    -------
+    Navigation; its standard deviations are NaN
+    """
+    clock, acc, gyr, at_rest = _inputs(time_s, acc_mps2, gyr_radps, still)
+    states = np.empty((len(clock) + 1, 16))
+    states[0] = np.concatenate(list(start))
+    _integrate(acc, gyr, at_rest, _intervals(clock), states)
+    empty = np.full((len(clock) + 1, 15), np.nan)
+    none = np.zeros(len(clock))
+    return _at_samples(clock, states, empty, at_rest, none, none.astype(np.int64))
+
+
+def navigate(
+    time_s: ArrayLike,
+    acc_mps2: ArrayLike,
+    gyr_radps: ArrayLike,
+    still: ArrayLike,
+    settings: NavigationSettings | None = None,
+    *,
+    smooth: bool = True,
+    cut: ArrayLike | None = None,
+) -> Navigation:
+    """Path of an IMU by the error-state Kalman filter, with its smoother unless that is declined.
+
+    When the frame is still: velocity zero, height as at the start (if it is upright), rate zero.
+    The smoother gives what a Rauch-Tung-Striebel smoother gives, by the adjoint recursion of
+    Bryson and Frazier, which needs no inverse.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    acc_mps2 : (n, 3) array, m/s², specific force in the IMU's axes
+    gyr_radps : (n, 3) array, rad/s, in the IMU's axes
+    still : (n,) bool array, see :func:`mobility_imu.walker.stillness.find_stillness`
+    settings : NavigationSettings
+    smooth : whether each estimate may use what comes after it
+    cut : (n,) bool array, samples in which the accelerometer was at the end of its range
+
+    Returns
+    -------
+    Navigation
+
+    Raises
+    ------
+    InputError
+        If nothing is still within the first 5 s: where up is, and the biases, come from there.
+    """
+    settings = settings or NavigationSettings()
+    clock, acc, gyr, at_rest = _inputs(time_s, acc_mps2, gyr_radps, still)
+    state, covariance = _start(clock, acc, gyr, at_rest, settings)
+    return run_filter(clock, acc, gyr, at_rest, state, covariance, settings, smooth=smooth, cut=cut)
+
+
+def run_filter(
+    time_s: ArrayLike,
+    acc_mps2: ArrayLike,
+    gyr_radps: ArrayLike,
+    still: ArrayLike,
+    start: NavigationState,
+    covariance: ArrayLike,
+    settings: NavigationSettings,
+    *,
+    smooth: bool = True,
+    cut: ArrayLike | None = None,
+    observed: ArrayLike | None = None,
+) -> Navigation:
+    """Filter and smoother from a given start, see :func:`navigate`.
+
+    Parameters
+    ----------
+    time_s, acc_mps2, gyr_radps, still, settings, smooth, cut : as in :func:`navigate`
+    start : NavigationState
+    covariance : (15, 15) array, of the error of the start
+    observed : (n, 4) array, velocity (m/s) and height (m) that the updates take for observed;
+        zeros if it is not given. Simulations put the stated noise here to test consistency.
+
+    Returns
+    -------
+    Navigation
+    """
+    clock, acc, gyr, at_rest = _inputs(time_s, acc_mps2, gyr_radps, still)
+    count = len(clock)
+    doubt = np.zeros(count, np.bool_) if cut is None else np.asarray(cut, np.bool_)
+    seen = np.zeros((count, 4)) if observed is None else np.ascontiguousarray(observed, float)
+    if doubt.shape != (count,) or seen.shape != (count, 4):
+        raise InputError(f"cut {doubt.shape}, observed {seen.shape}: expected ({count},) and rows")
+    dt = _intervals(clock)
+    sign, couple = _signs(settings.dynamics)
+    noise = _noises(settings)
+    states = np.empty((count + 1, 16))
+    states[0] = np.concatenate(list(start))
+    packed = np.empty((count + 1, 120))
+    nis, dof = np.zeros(count), np.zeros(count, np.int64)
+    upright = np.zeros(count, np.bool_)
+    first = np.ascontiguousarray(covariance, float)
+    _forward(acc, gyr, at_rest, doubt, seen, dt, noise, settings.zero_rate, sign, couple,
+             np.cos(settings.upright_rad), first, states, packed, nis, dof, upright)  # fmt: skip
+    sd = np.empty((count + 1, 15))
+    if smooth:
+        smoothed = np.empty_like(states)
+        _backward(acc, gyr, at_rest, upright, seen, dt, noise, settings.zero_rate, sign, couple,
+                  states, packed, smoothed, sd)  # fmt: skip
+        states = smoothed
+    else:
+        diagonal = [k * (k + 1) // 2 + k for k in range(15)]
+        sd = np.sqrt(np.maximum(packed[:, diagonal], 0))
+    return _at_samples(clock, states, sd, at_rest, nis, dof)
+
+
+def _inputs(
+    time_s: ArrayLike, acc_mps2: ArrayLike, gyr_radps: ArrayLike, still: ArrayLike | None
+) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.bool_]]:
+    clock = as_series(time_s, "time_s")
+    acc = np.ascontiguousarray(as_vectors(acc_mps2, "acc_mps2"))
+    gyr = np.ascontiguousarray(as_vectors(gyr_radps, "gyr_radps"))
+    at_rest = np.zeros(len(clock), np.bool_) if still is None else np.array(still, np.bool_)
+    if not acc.shape == gyr.shape == (len(clock), 3) or at_rest.shape != clock.shape:
+        raise InputError(
+            f"time_s {clock.shape}, acc_mps2 {acc.shape}, gyr_radps {gyr.shape}, still "
+            f"{at_rest.shape}: expected (n,), (n, 3), (n, 3), (n,)"
+        )
+    if len(clock) < 2 or (np.diff(clock) <= 0).any():
+        raise InputError("time_s: expected two or more times that increase")
+    for name, values in (("time_s", clock), ("acc_mps2", acc), ("gyr_radps", gyr)):
+        if not np.isfinite(values).all():
+            raise InputError(f"{name}: not a finite number at row {_first_bad(values)}")
+    return clock, acc, gyr, at_rest
+
+
+def _first_bad(values: FloatArray) -> int:
+    return int(np.argmax(~np.isfinite(values.reshape(len(values), -1)).all(axis=1)))
+
+
+def _intervals(clock: FloatArray) -> FloatArray:
+    """Length of the interval that each sample stands for: from midpoint to midpoint."""
+    step = np.diff(clock)
+    bounds = np.concatenate([[step[0]], step, [step[-1]]])
+    return np.asarray((bounds[1:] + bounds[:-1]) / 2)
+
+
+def _signs(dynamics: str) -> tuple[float, float]:
+    return (1.0, 0.0) if dynamics == "printed" else (-1.0, 1.0)
+
+
+def _noises(settings: NavigationSettings) -> FloatArray:
+    """Densities squared: gyroscope, accelerometer, their walks, velocity, height, rate."""
+    return np.array(
+        [
+            settings.gyr_noise_radps_sqrthz * settings.gyr_noise_factor,
+            settings.acc_noise_mps2_sqrthz * settings.acc_noise_factor,
+            settings.gyr_bias_walk,
+            settings.acc_bias_walk,
+            settings.velocity_noise,
+            settings.height_noise,
+            settings.rate_noise,
+        ]
+    ) ** 2  # fmt: skip
+
+
+def _start(
+    clock: FloatArray,
+    acc: FloatArray,
+    gyr: FloatArray,
+    still: NDArray[np.bool_],
+    settings: NavigationSettings,
+) -> tuple[NavigationState, FloatArray]:
+    """Upright by the first still stretch's mean specific force, rates less their mean there."""
+    soon = still & (clock < clock[0] + 5.0)
+    if not soon.any():
+        raise InputError(
+            "the frame is not still within the first 5 s: expected some seconds of rest at the "
+            "start, which say where up is"
+        )
+    begin = int(np.argmax(soon))
+    moving = np.nonzero(~still[begin:])[0]
+    rest = slice(begin, begin + int(moving[0]) if len(moving) else len(still))
+    force, rate = acc[rest].mean(axis=0), gyr[rest].mean(axis=0)
+    up = force / np.linalg.norm(force)
+    turn, _ = Rotation.align_vectors([[0.0, 0.0, 1.0]], up[None])
+    length = float(np.sum(_intervals(clock)[rest]))
+    gyr_bias = rate if settings.initial_gyr_mean else np.zeros(3)
+    bias_var = settings.gyr_bias_sd_radps**2
+    if settings.initial_gyr_mean:
+        bias_var += (settings.gyr_noise_radps_sqrthz * settings.gyr_noise_factor) ** 2 / length
+    else:
+        bias_var = (0.5 * _DEG) ** 2
+    # The first attitude is right if the accelerometer's bias is nil: both err together.
+    acc_var = settings.acc_bias_sd_mps2**2
+    lean = _cross_matrix(up) / (2 * STANDARD_GRAVITY_MPS2)
+    level_var = (settings.acc_noise_mps2_sqrthz * settings.acc_noise_factor) ** 2 / length
+    p = np.zeros((15, 15))
+    p[0:3, 0:3] = lean @ lean.T * (acc_var + level_var) + 1e-10 * np.eye(3)
+    p[0:3, 12:15] = lean * acc_var
+    p[12:15, 0:3] = p[0:3, 12:15].T
+    p[3:6, 3:6] = bias_var * np.eye(3)
+    p[6:9, 6:9] = 1e-12 * np.eye(3)
+    p[9:12, 9:12] = settings.velocity_noise**2 * np.eye(3)
+    p[12:15, 12:15] = acc_var * np.eye(3)
+    zero = np.zeros(3)
+    start = NavigationState(turn.as_quat(scalar_first=True), zero, zero, gyr_bias, zero)
+    return start, p
+
+
+def _split(x: FloatArray) -> NavigationState:
+    return NavigationState(x[0:4], x[4:7], x[7:10], x[10:13], x[13:16])
+
+
+def _at_samples(
+    clock: FloatArray,
+    states: FloatArray,
+    sd: FloatArray,
+    still: NDArray[np.bool_],
+    nis: FloatArray,
+    dof: NDArray[np.int64],
+) -> Navigation:
+    """From the midpoints between the samples to the samples."""
+    middle = (states[1:] + states[:-1]) / 2
+    quaternion = middle[:, 0:4] / np.linalg.norm(middle[:, 0:4], axis=1, keepdims=True)
+    spread = np.sqrt((sd[1:] ** 2 + sd[:-1] ** 2) / 2)
+    position, velocity, gyr_bias, acc_bias = (middle[:, k : k + 3] for k in (4, 7, 10, 13))
+    return Navigation(
+        clock, quaternion, position, velocity, gyr_bias, acc_bias, spread, still, nis, dof
+    )
+
+
+def _cross_matrix(v: FloatArray) -> FloatArray:
+    return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+
+
+# Compiled from here on. A state has 16 numbers: attitude, position, velocity, biases. The error
+# state has 15; position and velocity of both stand at other places, see STATES.
+
+
+@njit(cache=True)
+def _matrix(w, x, y, z, out):
+    """Quaternion to matrix, IMU to world."""
+    out[0, 0] = w * w + x * x - y * y - z * z
+    out[0, 1] = 2 * (x * y - w * z)
+    out[0, 2] = 2 * (x * z + w * y)
+    out[1, 0] = 2 * (x * y + w * z)
+    out[1, 1] = w * w - x * x + y * y - z * z
+    out[1, 2] = 2 * (y * z - w * x)
+    out[2, 0] = 2 * (x * z - w * y)
+    out[2, 1] = 2 * (y * z + w * x)
+    out[2, 2] = w * w - x * x - y * y + z * z
+
+
+@njit(cache=True)
+def _product(w0, w1, w2, w3, c, x, y, z):
+    """Product of two quaternions."""
+    return (
+        w0 * c - w1 * x - w2 * y - w3 * z,
+        w0 * x + w1 * c + w2 * z - w3 * y,
+        w0 * y - w1 * z + w2 * c + w3 * x,
+        w0 * z + w1 * y - w2 * x + w3 * c,
+    )
+
+
+@njit(cache=True)
+def _from_vector(v1, v2, v3):
+    """Quaternion of a rotation vector."""
+    angle = np.sqrt(v1 * v1 + v2 * v2 + v3 * v3)
+    s = 0.5 - angle * angle / 48 if angle < 1e-4 else np.sin(angle / 2) / angle
+    return np.cos(angle / 2), s * v1, s * v2, s * v3
+
+
+@njit(cache=True)
+def _advance(x, acc, gyr, dt, share, sign, couple, out, blocks):
+    """State and blocks of the transition over one interval.
+
+    share is how much of the measured rate is taken for motion. Blocks, 3 x 3 each: attitude from
+    attitude and gyroscope bias, velocity from attitude, gyroscope and accelerometer bias. What the
+    velocity gains, the position gains by half the interval. The last two blocks are scratch.
+    """
+    p1 = (gyr[0] - x[10]) * share * dt
+    p2 = (gyr[1] - x[11]) * share * dt
+    p3 = (gyr[2] - x[12]) * share * dt
+    f1, f2, f3 = acc[0] - x[13], acc[1] - x[14], acc[2] - x[15]
+    qq, qb, vq, vb, va = blocks[0], blocks[1], blocks[2], blocks[3], blocks[4]
+    r, back = blocks[5], blocks[6]
+    hc, hx, hy, hz = _from_vector(p1 / 2, p2 / 2, p3 / 2)
+    m0, m1, m2, m3 = _product(x[0], x[1], x[2], x[3], hc, hx, hy, hz)
+    _matrix(m0, m1, m2, m3, r)
+    m0, m1, m2, m3 = _product(m0, m1, m2, m3, hc, hx, hy, hz)
+    length = np.sqrt(m0 * m0 + m1 * m1 + m2 * m2 + m3 * m3)
+    out[0], out[1], out[2], out[3] = m0 / length, m1 / length, m2 / length, m3 / length
+    for i in range(3):
+        gain = r[i, 0] * f1 + r[i, 1] * f2 + r[i, 2] * f3
+        if i == 2:
+            gain -= STANDARD_GRAVITY_MPS2
+        out[7 + i] = x[7 + i] + dt * gain
+        out[4 + i] = x[4 + i] + dt * x[7 + i] + dt * dt / 2 * gain
+    for i in range(10, 16):
+        out[i] = x[i]
+    # The bias acts on the attitude through the right Jacobian 1 - [p x] / 2 + [p x]² / 6.
+    k = sign * 0.5 * share * dt
+    square = p1 * p1 + p2 * p2 + p3 * p3
+    m0, m1, m2, m3 = _product(hc, -hx, -hy, -hz, hc, -hx, -hy, -hz)
+    _matrix(m0, m1, m2, m3, qq)
+    _matrix(hc, -hx, -hy, -hz, back)
+    qb[0, 0], qb[0, 1], qb[0, 2] = 1 + (p1 * p1 - square) / 6, p1 * p2 / 6, p1 * p3 / 6
+    qb[1, 0], qb[1, 1], qb[1, 2] = p1 * p2 / 6, 1 + (p2 * p2 - square) / 6, p2 * p3 / 6
+    qb[2, 0], qb[2, 1], qb[2, 2] = p1 * p3 / 6, p2 * p3 / 6, 1 + (p3 * p3 - square) / 6
+    qb[0, 1] += p3 / 2
+    qb[0, 2] -= p2 / 2
+    qb[1, 0] -= p3 / 2
+    qb[1, 2] += p1 / 2
+    qb[2, 0] += p2 / 2
+    qb[2, 1] -= p1 / 2
+    # -2 R [f x] acts on the attitude's error in the middle of the interval.
+    for i in range(3):
+        a = -2 * dt * (r[i, 1] * f3 - r[i, 2] * f2)
+        b = -2 * dt * (r[i, 2] * f1 - r[i, 0] * f3)
+        c = -2 * dt * (r[i, 0] * f2 - r[i, 1] * f1)
+        for j in range(3):
+            vq[i, j] = a * back[0, j] + b * back[1, j] + c * back[2, j]
+            va[i, j] = -couple * dt * r[i, j]
+            qb[i, j] *= k
+        vb[i, 0] = k / 2 * (a - b * p3 / 4 + c * p2 / 4)
+        vb[i, 1] = k / 2 * (b + a * p3 / 4 - c * p1 / 4)
+        vb[i, 2] = k / 2 * (c - a * p2 / 4 + b * p1 / 4)
+
+
+@njit(cache=True)
+def _integrate(acc, gyr, still, dt, states):
+    blocks = np.empty((7, 3, 3))
+    for k in range(len(acc)):
+        _advance(states[k], acc[k], gyr[k], dt[k], 1.0, -1.0, 1.0, states[k + 1], blocks)
+        if still[k]:
+            states[k + 1, 7:10] = 0.0
+
+
+@njit(cache=True)
+def _rows(blocks, dt, p, out):
+    """Transition times p, written row by row so that the inner loops run along memory."""
+    qq, qb, vq, vb, va = blocks[0], blocks[1], blocks[2], blocks[3], blocks[4]
+    for i in range(3):
+        for j in range(15):
+            gain = (
+                vq[i, 0] * p[0, j] + vq[i, 1] * p[1, j] + vq[i, 2] * p[2, j]
+                + vb[i, 0] * p[3, j] + vb[i, 1] * p[4, j] + vb[i, 2] * p[5, j]
+                + va[i, 0] * p[12, j] + va[i, 1] * p[13, j] + va[i, 2] * p[14, j]
+            )  # fmt: skip
+            out[i, j] = (
+                qq[i, 0] * p[0, j] + qq[i, 1] * p[1, j] + qq[i, 2] * p[2, j]
+                + qb[i, 0] * p[3, j] + qb[i, 1] * p[4, j] + qb[i, 2] * p[5, j]
+            )  # fmt: skip
+            out[3 + i, j] = p[3 + i, j]
+            out[6 + i, j] = p[6 + i, j] + dt * p[9 + i, j] + dt / 2 * gain
+            out[9 + i, j] = p[9 + i, j] + gain
+            out[12 + i, j] = p[12 + i, j]
+
+
+@njit(cache=True)
+def _rows_back(blocks, dt, p, out):
+    """Transposed transition times p."""
+    qq, qb, vq, vb, va = blocks[0], blocks[1], blocks[2], blocks[3], blocks[4]
+    for i in range(3):
+        for j in range(15):
+            s0 = p[9, j] + dt / 2 * p[6, j]
+            s1 = p[10, j] + dt / 2 * p[7, j]
+            s2 = p[11, j] + dt / 2 * p[8, j]
+            out[i, j] = (
+                qq[0, i] * p[0, j] + qq[1, i] * p[1, j] + qq[2, i] * p[2, j]
+                + vq[0, i] * s0 + vq[1, i] * s1 + vq[2, i] * s2
+            )  # fmt: skip
+            out[3 + i, j] = (
+                p[3 + i, j] + qb[0, i] * p[0, j] + qb[1, i] * p[1, j] + qb[2, i] * p[2, j]
+                + vb[0, i] * s0 + vb[1, i] * s1 + vb[2, i] * s2
+            )  # fmt: skip
+            out[6 + i, j] = p[6 + i, j]
+            out[9 + i, j] = p[9 + i, j] + dt * p[6 + i, j]
+            out[12 + i, j] = (
+                p[12 + i, j] + va[0, i] * s0 + va[1, i] * s1 + va[2, i] * s2
+            )  # fmt: skip
+
+
+@njit(cache=True)
+def _transpose(p, out):
+    for i in range(15):
+        for j in range(15):
+            out[i, j] = p[j, i]
+
+
+@njit(cache=True)
+def _correct(x, error):
+    """Put an error into a state (eq. 22 turned round)."""
+    m0, m1, m2, m3 = _product(x[0], x[1], x[2], x[3], 1.0, error[0], error[1], error[2])
+    length = np.sqrt(m0 * m0 + m1 * m1 + m2 * m2 + m3 * m3)
+    x[0], x[1], x[2], x[3] = m0 / length, m1 / length, m2 / length, m3 / length
+    for i in range(3):
+        x[10 + i] += error[3 + i]
+        x[4 + i] += error[6 + i]
+        x[7 + i] += error[9 + i]
+        x[13 + i] += error[12 + i]
+
+
+@njit(cache=True)
+def _share(still, zero_rate, noise):
+    """How much of a measured rate is motion, if a standing frame has a noise of its own.
+
+    With the prior "rate 0 with noise s" and a reading with noise g, the rate's best estimate is
+    s²/(s²+g²) of the reading; its error does not depend on the reading less the bias, so that the
+    latter may be used once more, as an observation of the bias with variance s² + g².
+    """
+    if still and zero_rate:
+        return noise[6] / (noise[6] + noise[0])
+    return 1.0
+
+
+@njit(cache=True)
+def _forward(
+    acc, gyr, still, cut, seen, dt, noise, zero_rate, sign, couple, upright_cos, first,
+    states, packed, nis, dof, upright,
+):  # fmt: skip
+    p, work, other = first.copy(), np.empty((15, 15)), np.empty((15, 15))
+    blocks, r = np.empty((7, 3, 3)), np.empty((3, 3))
+    error, column = np.empty(15), np.empty(15)
+    _matrix(states[0, 0], states[0, 1], states[0, 2], states[0, 3], r)
+    up = r[2].copy()
+    for i in range(15):
+        for j in range(i + 1):
+            packed[0, i * (i + 1) // 2 + j] = p[i, j]
+    for k in range(len(acc)):
+        h = dt[k]
+        share = _share(still[k], zero_rate, noise)
+        x = states[k + 1]
+        _advance(states[k], acc[k], gyr[k], h, share, sign, couple, x, blocks)
+        _rows(blocks, h, p, work)
+        _transpose(work, other)
+        _rows(blocks, h, other, p)
+        white = CUT_ACC_SD_MPS2**2 * h if cut[k] else noise[1]
+        for i in range(3):
+            p[i, i] += noise[0] * share / 4 * h
+            p[3 + i, 3 + i] += noise[2] * h
+            p[6 + i, 6 + i] += white * h**3 / 4
+            p[6 + i, 9 + i] += white * h**2 / 2
+            p[9 + i, 6 + i] += white * h**2 / 2
+            p[9 + i, 9 + i] += white * h
+            p[12 + i, 12 + i] += noise[3] * h
+        if still[k]:
+            error[:] = 0.0
+            _matrix(x[0], x[1], x[2], x[3], r)
+            upright[k] = r[2, 0] * up[0] + r[2, 1] * up[1] + r[2, 2] * up[2] > upright_cos
+            for m in range(7):
+                if m < 3:
+                    at, variance, residual = 9 + m, noise[4] / h, seen[k, m] - x[7 + m]
+                elif m == 3:
+                    if not upright[k]:
+                        continue
+                    at, variance, residual = 8, noise[5] / h, seen[k, 3] - x[6]
+                else:
+                    if not zero_rate:
+                        break
+                    at, variance = m - 1, (noise[6] + noise[0]) / h
+                    residual = gyr[k, m - 4] - x[6 + m]
+                residual -= error[at]
+                total = p[at, at] + variance
+                nis[k] += residual**2 / total
+                dof[k] += 1
+                inverse = 1 / total
+                for i in range(15):
+                    column[i] = p[at, i]
+                for i in range(15):
+                    error[i] += column[i] * (residual * inverse)
+                    for j in range(15):
+                        p[i, j] -= column[i] * column[j] * inverse
+            _correct(x, error)
+        for i in range(15):
+            for j in range(i + 1):
+                packed[k + 1, i * (i + 1) // 2 + j] = p[i, j]
+
+
+@njit(cache=True)
+def _backward(
+    acc, gyr, still, upright, seen, dt, noise, zero_rate, sign, couple,
+    states, packed, smoothed, sd,
+):  # fmt: skip
+    """Adjoint recursion: mu and big hold what later updates say of the state and how surely.
+
+    With P after a sample's updates, the smoothed error is P mu and its covariance P - P big P. All
+    updates observe single states, so going back over them only touches these states' rows:
+    mu += (residual - error) / R, big += D - D P big - (D P big)' - D (P - P big P) D, D = 1 / R.
+    """
+    p, big = np.empty((15, 15)), np.zeros((15, 15))
+    work, other, after = np.empty((15, 15)), np.empty((15, 15)), np.empty(16)
+    mu, was, error, blocks = np.zeros(15), np.empty(15), np.empty(15), np.empty((7, 3, 3))
+    at, weight, residual = np.empty(7, np.int64), np.empty(7), np.empty(7)
+    block = np.empty((7, 7))
+    for k in range(len(acc), -1, -1):
+        for i in range(15):
+            for j in range(i + 1):
+                p[i, j] = packed[k, i * (i + 1) // 2 + j]
+                p[j, i] = p[i, j]
+        for i in range(15):
+            total = 0.0
+            for j in range(15):
+                total += p[i, j] * mu[j]
+            error[i] = total
+        x = smoothed[k]
+        x[:] = states[k]
+        _correct(x, error)
+        for i in range(15):  # work = P big
+            for j in range(15):
+                work[i, j] = 0.0
+            for m in range(15):
+                factor = p[i, m]
+                for j in range(15):
+                    work[i, j] += factor * big[m, j]
+        for i in range(15):
+            total = p[i, i]
+            for j in range(15):
+                total -= work[i, j] * p[j, i]
+            sd[k, i] = np.sqrt(max(total, 0.0))
+        if k == 0:
+            break
+        s, h = k - 1, dt[k - 1]
+        if still[s]:
+            count = 0
+            for m in range(3):
+                at[count], weight[count] = 9 + m, h / noise[4]
+                residual[count] = seen[s, m] - states[k, 7 + m]
+                count += 1
+            if upright[s]:
+                at[count], weight[count] = 8, h / noise[5]
+                residual[count] = seen[s, 3] - states[k, 6]
+                count += 1
+            if zero_rate:
+                for m in range(3):
+                    at[count], weight[count] = 3 + m, h / (noise[6] + noise[0])
+                    residual[count] = gyr[s, m] - states[k, 10 + m]
+                    count += 1
+            for a in range(count):
+                mu[at[a]] += weight[a] * (residual[a] - error[at[a]])
+                for b in range(count):
+                    total = p[at[a], at[b]]
+                    for j in range(15):
+                        total -= work[at[a], j] * p[j, at[b]]
+                    block[a, b] = total
+            for a in range(count):
+                for j in range(15):
+                    big[at[a], j] -= weight[a] * work[at[a], j]
+                    big[j, at[a]] -= weight[a] * work[at[a], j]
+            for a in range(count):
+                big[at[a], at[a]] += weight[a]
+                for b in range(count):
+                    big[at[a], at[b]] -= weight[a] * block[a, b] * weight[b]
+        share = _share(still[s], zero_rate, noise)
+        _advance(states[s], acc[s], gyr[s], h, share, sign, couple, after, blocks)
+        _rows_back(blocks, h, big, work)
+        _transpose(work, other)
+        _rows_back(blocks, h, other, big)
+        for i in range(15):
+            was[i] = mu[i]
+        _vector_back(blocks, h, was, mu)
+
+
+@njit(cache=True)
+def _vector_back(blocks, dt, v, out):
+    """Transposed transition times a vector."""
+    qq, qb, vq, vb, va = blocks[0], blocks[1], blocks[2], blocks[3], blocks[4]
+    s0, s1, s2 = v[9] + dt / 2 * v[6], v[10] + dt / 2 * v[7], v[11] + dt / 2 * v[8]
+    for i in range(3):
+        out[i] = (
+            qq[0, i] * v[0] + qq[1, i] * v[1] + qq[2, i] * v[2]
+            + vq[0, i] * s0 + vq[1, i] * s1 + vq[2, i] * s2
+        )  # fmt: skip
+        out[3 + i] = (
+            v[3 + i] + qb[0, i] * v[0] + qb[1, i] * v[1] + qb[2, i] * v[2]
+            + vb[0, i] * s0 + vb[1, i] * s1 + vb[2, i] * s2
+        )  # fmt: skip
+        out[6 + i] = v[6 + i]
+        out[9 + i] = v[9 + i] + dt * v[6 + i]
+        out[12 + i] = v[12 + i] + va[0, i] * s0 + va[1, i] * s1 + va[2, i] * s2

@@ -1,0 +1,409 @@
+"""Walker: strapdown, error-state filter and smoother against what must be true of them."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2
+from mobility_imu.walker.geometry import rotation_world_to_imu
+from mobility_imu.walker.navigation import (
+    NavigationSettings,
+    NavigationState,
+    error_dynamics,
+    imu_output,
+    integrate_strapdown,
+    navigate,
+    run_filter,
+    state_error,
+    step_transition,
+    strapdown_rates,
+)
+
+DT = 0.01
+G = np.array([0.0, 0.0, STANDARD_GRAVITY_MPS2])
+
+
+def random_state(seed):
+    rng = np.random.default_rng(seed)
+    q = Rotation.random(random_state=seed).as_quat(scalar_first=True)
+    return NavigationState(q, *(rng.normal(size=(4, 3)) * [[5], [1], [0.02], [0.1]])), rng
+
+
+def disturbed(state, error):
+    """State whose true value errs from the given one by the error: eq. 22 turned round."""
+    turn = np.array([1.0, *error[:3]])
+    q = Rotation.from_quat(state.quaternion, scalar_first=True) * Rotation.from_quat(
+        turn, scalar_first=True
+    )
+    return NavigationState(
+        q.as_quat(scalar_first=True, canonical=False),
+        state.position_m + error[6:9],
+        state.velocity_mps + error[9:12],
+        state.gyr_bias_radps + error[3:6],
+        state.acc_bias_mps2 + error[12:15],
+    )
+
+
+def aligned(true, estimate):
+    """The error, with the quaternion on the estimate's side of the double cover."""
+    sign = np.sign(true.quaternion @ estimate.quaternion)
+    return state_error(true._replace(quaternion=sign * true.quaternion), estimate)
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=30, deadline=None)
+def test_eq20_rates_are_those_of_a_turning_frame(seed):
+    """Over 1 µs the rates carry the attitude where the rotation vector does."""
+    state, rng = random_state(seed)
+    rate, acc = rng.normal(size=3), rng.normal(size=3)
+    q_dot, v_dot, r_dot = strapdown_rates(state.quaternion, state.velocity_mps, rate, acc)
+    here = Rotation.from_quat(state.quaternion, scalar_first=True)
+    there = here * Rotation.from_rotvec(rate * 1e-6)
+    stepped = state.quaternion + 1e-6 * q_dot
+    assert np.allclose(rotation_world_to_imu(stepped).T, there.as_matrix(), atol=1e-11)
+    assert np.allclose(v_dot, here.apply(acc))
+    assert np.allclose(r_dot, state.velocity_mps)
+
+
+def test_eq21_resting_accelerometer_reads_up():
+    upright = NavigationState(np.array([1.0, 0, 0, 0]), *np.zeros((4, 3)))
+    force, rate = imu_output(upright, np.zeros(3), np.zeros(3))
+    assert np.allclose(force, G) and np.allclose(rate, 0)
+    biased = upright._replace(acc_bias_mps2=np.ones(3), gyr_bias_radps=np.full(3, 0.1))
+    force, rate = imu_output(biased, [1.0, 0, 0], [0, 0, 2.0])
+    assert np.allclose(force - G, [2, 1, 1]) and np.allclose(rate, [0.1, 0.1, 2.1])
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=30, deadline=None)
+def test_eq22_error_is_half_the_rotation_vector(seed):
+    state, rng = random_state(seed)
+    error = rng.normal(size=15) * 1e-5
+    assert np.allclose(aligned(disturbed(state, error), state), error, atol=1e-9)
+
+
+def numeric_transition(state, acc, gyr, dt, dynamics="corrected"):
+    after, _ = step_transition(state, acc, gyr, dt)
+    columns = []
+    for k in range(15):
+        small = np.zeros(15)
+        small[k] = 1e-5
+        ends = [
+            aligned(step_transition(disturbed(state, s * small), acc, gyr, dt)[0], after)
+            for s in (1, -1)
+        ]
+        columns.append((ends[0] - ends[1]) / 2e-5)
+    return np.array(columns).T
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=30, deadline=None)
+def test_eq24_transition_is_the_derivative_of_the_nonlinear_step(seed):
+    """To 1e-6 (issue), at rates up to some rad/s and forces up to some g."""
+    state, rng = random_state(seed)
+    acc, gyr = rng.normal(size=3) * 15, rng.normal(size=3) * 2
+    _, phi = step_transition(state, acc, gyr, DT)
+    assert np.abs(numeric_transition(state, acc, gyr, DT) - phi).max() < 1e-6
+
+
+def test_eq24_is_the_rate_of_the_transition():
+    """Continuous A from the discrete step, dt towards 0, in both forms; the printed one errs."""
+    state, rng = random_state(4)
+    acc, gyr = rng.normal(size=3) * 10, rng.normal(size=3)
+    rate, force = gyr - state.gyr_bias_radps, acc - state.acc_bias_mps2
+    for form in ("corrected", "printed"):
+        _, phi = step_transition(state, acc, gyr, 1e-6, dynamics=form)
+        a = error_dynamics(state.quaternion, rate, force, dynamics=form)
+        assert np.allclose((phi - np.eye(15)) / 1e-6, a, atol=1e-3)
+    numeric = (numeric_transition(state, acc, gyr, 1e-4) - np.eye(15)) / 1e-4
+    right = error_dynamics(state.quaternion, rate, force)
+    wrong = error_dynamics(state.quaternion, rate, force, dynamics="printed")
+    assert np.abs(numeric - right).max() < 0.01
+    assert np.allclose(wrong[0:3, 3:6], -right[0:3, 3:6]) and not wrong[9:12, 12:15].any()
+    assert np.abs((numeric - wrong)[0:3, 3:6]).max() > 0.9
+
+
+def wobbling(seconds, seed=1, noise=True):
+    """Readings of an IMU that turns and shakes smoothly between rests, and its truth."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(0, seconds, DT)
+    phase = time % 4.0
+    on = np.where(phase > 2, np.sin(np.pi * (phase - 2) / 2) ** 2, 0.0)
+    gyr = np.outer(on, [0.6, -0.4, 0.3]) * np.sin(np.pi * (phase - 2))[:, None]
+    turn = Rotation.random(random_state=seed)
+    rest = turn.inv().apply(G)
+    acc = rest + np.outer(on, [1.0, 0.5, -0.7]) * np.sin(np.pi * phase)[:, None]
+    if noise:
+        acc = acc + 0.012 * rng.standard_normal(acc.shape) + [0.01, -0.02, 0.015]
+        gyr = gyr + 0.0012 * rng.standard_normal(gyr.shape) + [0.003, -0.002, 0.001]
+    return time, acc, gyr, (phase > 0.1) & (phase < 1.9)
+
+
+def textbook(time, acc, gyr, still, start, covariance, chosen):
+    """The same filter with dense matrices and a Rauch-Tung-Striebel smoother, in plain NumPy."""
+    g2 = (chosen.gyr_noise_radps_sqrthz * chosen.gyr_noise_factor) ** 2
+    a2 = (chosen.acc_noise_mps2_sqrthz * chosen.acc_noise_factor) ** 2
+    s2 = chosen.rate_noise**2
+    state, p = start, covariance
+    up = rotation_world_to_imu(start.quaternion)[:, 2]
+    priors, posts, phis, shifts, states = [], [p], [], [], [start]
+    eye = np.eye(15)
+    for k in range(len(time)):
+        share = s2 / (s2 + g2) if still[k] and chosen.zero_rate else 1.0
+        reading = state.gyr_bias_radps + share * (gyr[k] - state.gyr_bias_radps)
+        moved, phi = step_transition(state, acc[k], reading, DT)
+        phi[:, 3:6] = eye[:, 3:6] + share * (phi - eye)[:, 3:6]
+        q = np.zeros((15, 15))
+        q[0:3, 0:3] = g2 * share / 4 * DT * np.eye(3)
+        q[3:6, 3:6] = chosen.gyr_bias_walk**2 * DT * np.eye(3)
+        q[6:9, 6:9], q[9:12, 9:12] = a2 * DT**3 / 4 * np.eye(3), a2 * DT * np.eye(3)
+        q[6:9, 9:12] = q[9:12, 6:9] = a2 * DT**2 / 2 * np.eye(3)
+        q[12:15, 12:15] = chosen.acc_bias_walk**2 * DT * np.eye(3)
+        p = phi @ p @ phi.T + q
+        priors.append(p)
+        shift = np.zeros(15)
+        if still[k]:
+            rows, z, r = [9, 10, 11], list(-moved.velocity_mps), [chosen.velocity_noise**2 / DT] * 3
+            if rotation_world_to_imu(moved.quaternion)[:, 2] @ up > np.cos(chosen.upright_rad):
+                rows.append(8)
+                z.append(-moved.position_m[2])
+                r.append(chosen.height_noise**2 / DT)
+            if chosen.zero_rate:
+                rows += [3, 4, 5]
+                z += list(gyr[k] - moved.gyr_bias_radps)
+                r += [(s2 + g2) / DT] * 3
+            h = eye[rows]
+            gain = np.linalg.solve(h @ p @ h.T + np.diag(r), h @ p).T
+            shift = gain @ np.array(z)
+            left = eye - gain @ h
+            p = left @ p @ left.T + gain @ np.diag(r) @ gain.T
+        state = disturbed(moved, shift)
+        state = state._replace(quaternion=state.quaternion / np.linalg.norm(state.quaternion))
+        phis.append(phi)
+        shifts.append(shift)
+        posts.append(p)
+        states.append(state)
+    error, spread = np.zeros(15), posts[-1]
+    smoothed = [(states[-1], spread)]
+    for k in range(len(time) - 1, -1, -1):
+        gain = np.linalg.solve(priors[k].T, (posts[k] @ phis[k].T).T).T
+        error = gain @ (shifts[k] + error)
+        spread = posts[k] + gain @ (spread - priors[k]) @ gain.T
+        smoothed.append((disturbed(states[k], error), spread))
+    return states, posts, smoothed[::-1]
+
+
+def at_samples(states, name):
+    values = np.array([getattr(s, name) for s in states])
+    return (values[1:] + values[:-1]) / 2
+
+
+@pytest.mark.parametrize("zero_rate", [True, False])
+def test_compiled_filter_and_smoother_equal_the_textbook(zero_rate):
+    """Sparse transition, scalar updates and the adjoint recursion change nothing but the speed."""
+    time, acc, gyr, still = wobbling(12)
+    chosen = NavigationSettings(zero_rate=zero_rate)
+    start, p = random_state(1)[0], np.diag(np.repeat([1e-3, 1e-3, 1e-3, 1e-2, 3e-2], 3)) ** 2
+    start = start._replace(
+        quaternion=Rotation.random(random_state=1).as_quat(scalar_first=True),
+        position_m=np.zeros(3), velocity_mps=np.zeros(3),
+        gyr_bias_radps=np.zeros(3), acc_bias_mps2=np.zeros(3),
+    )  # fmt: skip
+    states, posts, smoothed = textbook(time, acc, gyr, still, start, p, chosen)
+    for smooth, expected, spread in (
+        (False, states, posts),
+        (True, [s for s, _ in smoothed], [c for _, c in smoothed]),
+    ):
+        ours = run_filter(time, acc, gyr, still, start, p, chosen, smooth=smooth)
+        for name in ("position_m", "velocity_mps", "gyr_bias_radps", "acc_bias_mps2"):
+            assert np.allclose(getattr(ours, name), at_samples(expected, name), atol=1e-8), name
+        variance = np.array([np.diag(c) for c in spread])
+        assert np.allclose(ours.sd**2, (variance[1:] + variance[:-1]) / 2, rtol=1e-6, atol=1e-16)
+
+
+def test_same_without_compiling():
+    """The functions give the same when Python runs them as they stand."""
+    code = """
+import sys; sys.path.insert(0, "tests")
+import numpy as np
+from test_walker_navigation import wobbling
+from mobility_imu.walker.navigation import navigate
+n = navigate(*wobbling(3.0))
+np.save(sys.argv[1], np.column_stack([n.quaternion, n.position_m, n.sd]))
+"""
+    import tempfile
+    from pathlib import Path
+
+    root = Path(__file__).resolve().parents[1]
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        for off in ("0", "1"):
+            path = Path(folder) / f"{off}.npy"
+            subprocess.run(
+                [sys.executable, "-c", code, str(path)],
+                check=True,
+                cwd=root,
+                env={**os.environ, "NUMBA_DISABLE_JIT": off},
+            )
+            found.append(np.load(path))
+    # Rounding alone: the compiler may fuse a product and a sum.
+    assert np.allclose(found[0], found[1], rtol=1e-9, atol=1e-12)
+
+
+def test_ideal_readings_of_a_turn_and_a_shift_are_integrated_exactly():
+    """A frame turned by 40 deg and shifted by 0.3 m comes out there, noise aside.
+
+    A constant rate within each interval leaves g dt²/12 times the turn, here 0.06 mm, and about as
+    much from the force; both vanish when the frame turns back.
+    """
+    time = np.arange(0, 3.0, DT)
+    u = np.clip((time - 1) / 1.2, 0, 1)
+    turn, axis = np.deg2rad(40), np.array([0.6, 0.0, 0.8])
+    angle = turn * (10 * u**3 - 15 * u**4 + 6 * u**5)
+    rate = turn * (30 * u**2 - 60 * u**3 + 30 * u**4) / 1.2
+    acceleration = 0.3 * (60 * u - 180 * u**2 + 120 * u**3) / 1.44
+    acceleration[(u <= 0) | (u >= 1)] = 0
+    attitude = Rotation.from_rotvec(np.outer(angle, axis))
+    force = attitude.inv().apply(np.outer(acceleration, [1, 0, 0]) + G)
+    start = NavigationState(np.array([1.0, 0, 0, 0]), *np.zeros((4, 3)))
+    path = integrate_strapdown(
+        time, force, np.outer(rate, axis), start, still=(time < 0.98) | (time > 2.22)
+    )
+    assert np.allclose(path.position_m[-1], [0.3, 0, 0], atol=1.5e-4)
+    last = Rotation.from_quat(path.quaternion[-1], scalar_first=True)
+    assert np.allclose(last.as_rotvec(), turn * axis, atol=1e-6)
+
+
+def test_turning_everything_changes_nothing():
+    """The IMU's axes are a matter of choice: heights and speeds do not depend on them."""
+    time, acc, gyr, still = wobbling(8)
+    turn = Rotation.random(random_state=7).as_matrix()
+    one, other = (navigate(time, acc @ m, gyr @ m, still) for m in (np.eye(3), turn))
+    assert np.allclose(one.position_m[:, 2], other.position_m[:, 2], atol=1e-9)
+    assert np.allclose(
+        np.linalg.norm(one.velocity_mps, axis=1),
+        np.linalg.norm(other.velocity_mps, axis=1),
+        atol=1e-9,
+    )
+
+
+def consistent_run(seed, chosen):
+    """Filter, smoother, truth; motion, readings, observations drawn from the filter's model."""
+    rng = np.random.default_rng(seed)
+    time, acc, gyr, still = wobbling(24, seed=3, noise=False)
+    count = len(time)
+    p = np.diag(np.repeat([2e-3, 1e-4, 1e-3, 1e-3, 0.02], 3)) ** 2
+    nominal = NavigationState(
+        Rotation.random(random_state=3).as_quat(scalar_first=True), *np.zeros((4, 3))
+    )
+    true = disturbed(nominal, rng.multivariate_normal(np.zeros(15), p))
+    g, a = (
+        chosen.gyr_noise_radps_sqrthz * chosen.gyr_noise_factor,
+        chosen.acc_noise_mps2_sqrthz * chosen.acc_noise_factor,
+    )
+    readings, truth, seen = [], [true], np.zeros((count, 4))
+    for k in range(count):
+        # A frame that stands moves by what the settings say: a rate of that noise, and no force.
+        sway = chosen.rate_noise / np.sqrt(DT) * rng.standard_normal(3)
+        rate = sway if still[k] and chosen.zero_rate else gyr[k]
+        force = acc[k]
+        clean = true._replace(gyr_bias_radps=np.zeros(3), acc_bias_mps2=np.zeros(3))
+        after = step_transition(clean, force, rate, DT)[0]
+        readings.append(
+            np.concatenate(
+                [
+                    force + true.acc_bias_mps2 + a / np.sqrt(DT) * rng.standard_normal(3),
+                    rate + true.gyr_bias_radps + g / np.sqrt(DT) * rng.standard_normal(3),
+                ]
+            )
+        )
+        walk = np.sqrt(DT) * rng.standard_normal(6)
+        true = after._replace(
+            gyr_bias_radps=true.gyr_bias_radps + chosen.gyr_bias_walk * walk[:3],
+            acc_bias_mps2=true.acc_bias_mps2 + chosen.acc_bias_walk * walk[3:],
+        )
+        truth.append(true)
+        seen[k, :3] = true.velocity_mps + chosen.velocity_noise / np.sqrt(DT) * rng.standard_normal(
+            3
+        )
+        seen[k, 3] = true.position_m[2] + chosen.height_noise / np.sqrt(DT) * rng.standard_normal()
+    values = np.array(readings)
+    found = [
+        run_filter(
+            time, values[:, :3], values[:, 3:], still, nominal, p, chosen,
+            smooth=smooth, observed=seen,
+        )
+        for smooth in (False, True)
+    ]  # fmt: skip
+    return *found, truth
+
+
+@pytest.mark.parametrize("zero_rate", [True, False])
+def test_filter_is_consistent_at_stated_noise(zero_rate):
+    """Innovations and errors are as large as the filter says: inside 95 % chi-square bounds.
+
+    60 runs; bounds of the mean over independent numbers (innovations of all runs; one error per
+    run, at the end). Each state's own error is held to a family-wise bound of 95 %.
+    """
+    from scipy import stats
+
+    chosen = NavigationSettings(gyr_noise_factor=1.0, acc_noise_factor=1.0, zero_rate=zero_rate)
+    runs = 60
+    total, dof = 0.0, 0
+    filtered, smoothed = [], []
+    for seed in range(runs):
+        forward, both, truth = consistent_run(seed, chosen)
+        for found, at, errors in ((forward, 2399, filtered), (both, 1150, smoothed)):
+            estimate = NavigationState(*(values[at] for values in found[1:6]))
+            pairs = zip(truth[at], truth[at + 1], strict=True)
+            true = NavigationState(*((a + b) / 2 for a, b in pairs))
+            errors.append(aligned(true, estimate) / found.sd[at])
+        total += forward.nis.sum()
+        dof += int(forward.nis_dof.sum())
+    low, high = stats.chi2.ppf([0.025, 0.975], dof)
+    assert low < total < high, f"NIS {total / dof:.4f}, bounds {low / dof:.4f} {high / dof:.4f}"
+    low, high = stats.chi2.ppf([0.025 / 30, 1 - 0.025 / 30], runs) / runs
+    for errors in (filtered, smoothed):
+        squares = np.mean(np.array(errors) ** 2, axis=0)
+        assert ((low < squares) & (squares < high)).all(), (squares, low, high)
+
+
+def test_one_hour_in_bounded_memory():
+    """An hour at 100 Hz, smoothed: less than 1 GB at its peak, interpreter and numba included."""
+    code = """
+import resource, numpy as np
+from mobility_imu.walker.navigation import navigate
+rng = np.random.default_rng(0)
+n = 360_000
+time = np.arange(n) / 100
+acc = np.tile([0.0, 0.0, 9.80665], (n, 1)) + 0.01 * rng.standard_normal((n, 3))
+gyr = 0.001 * rng.standard_normal((n, 3))
+found = navigate(time, acc, gyr, time % 3 < 1.5)
+assert np.isfinite(found.position_m).all()
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6)
+"""
+    out = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert float(out.stdout) < 1.0
+
+
+def test_refuses_what_cannot_be_navigated():
+    time, acc, gyr, still = wobbling(3)
+    with pytest.raises(InputError, match="not still within the first 5 s"):
+        navigate(time, acc, gyr, np.zeros(len(time), bool))
+    broken = acc.copy()
+    broken[7, 1] = np.nan
+    with pytest.raises(InputError, match="acc_mps2: not a finite number at row 7"):
+        navigate(time, broken, gyr, still)
+    with pytest.raises(InputError, match="increase"):
+        navigate(time[::-1], acc, gyr, still)
+    with pytest.raises(InputError, match=r"expected \(n,\), \(n, 3\)"):
+        navigate(time, acc[:-1], gyr, still)
+    with pytest.raises(InputError, match="dynamics = 'other'"):
+        NavigationSettings(dynamics="other")
