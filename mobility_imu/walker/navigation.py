@@ -81,6 +81,26 @@ class NavigationSettings:
                 raise InputError(f"{name} = {value}: expected a positive number")
 
 
+@dataclass(frozen=True)
+class ClosedLoop:
+    """The frame is known to end where it began, and turned as it was.
+
+    Parameters
+    ----------
+    position_sd_m : m, how well that is known, per axis
+    heading_sd_rad : rad
+    """
+
+    position_sd_m: float = 0.03
+    heading_sd_rad: float = 2 * _DEG
+
+    def __post_init__(self) -> None:
+        """Refuse sizes that are not positive."""
+        for name, value in vars(self).items():
+            if not (np.isfinite(value) and value > 0):
+                raise InputError(f"{name} = {value}: expected a positive number")
+
+
 class NavigationState(NamedTuple):
     """State of an IMU: attitude (4,), position, velocity, biases of gyroscope and accelerometer."""
 
@@ -299,6 +319,7 @@ def navigate(
     *,
     smooth: bool = True,
     cut: ArrayLike | None = None,
+    closed_loop: ClosedLoop | None = None,
 ) -> Navigation:
     """Path of an IMU by the error-state Kalman filter, with its smoother unless that is declined.
 
@@ -315,6 +336,7 @@ def navigate(
     settings : NavigationSettings
     smooth : whether each estimate may use what comes after it
     cut : (n,) bool array, samples in which the accelerometer was at the end of its range
+    closed_loop : where the smoother may take the end for known; the filter makes no use of it
 
     Returns
     -------
@@ -342,13 +364,14 @@ def run_filter(
     *,
     smooth: bool = True,
     cut: ArrayLike | None = None,
+    closed_loop: ClosedLoop | None = None,
     observed: ArrayLike | None = None,
 ) -> Navigation:
     """Filter and smoother from a given start, see :func:`navigate`.
 
     Parameters
     ----------
-    time_s, acc_mps2, gyr_radps, still, settings, smooth, cut : as in :func:`navigate`
+    time_s, acc_mps2, gyr_radps, still, settings, smooth, cut, closed_loop : as in :func:`navigate`
     start : NavigationState
     covariance : (15, 15) array, of the error of the start
     observed : (n, 4) array, velocity (m/s) and height (m) that the updates take for observed;
@@ -378,13 +401,34 @@ def run_filter(
     sd = np.empty((count + 1, 15))
     if smooth:
         smoothed = np.empty_like(states)
+        mu, big = np.zeros(15), np.zeros((15, 15))
+        if closed_loop is not None:
+            mu, big = _closing(states, packed[-1], closed_loop)
         _backward(acc, gyr, at_rest, upright, seen, dt, noise, settings.zero_rate, sign, couple,
-                  states, packed, smoothed, sd)  # fmt: skip
+                  states, packed, mu, big, smoothed, sd)  # fmt: skip
         states = smoothed
     else:
         diagonal = [k * (k + 1) // 2 + k for k in range(15)]
         sd = np.sqrt(np.maximum(packed[:, diagonal], 0))
     return _at_samples(clock, states, sd, at_rest, nis, dof)
+
+
+def _closing(
+    states: FloatArray, packed: FloatArray, closed: ClosedLoop
+) -> tuple[FloatArray, FloatArray]:
+    """What a known end says of the last state: where the smoother starts."""
+    lower = np.zeros((15, 15))
+    lower[np.tril_indices(15)] = packed
+    p = lower + np.tril(lower, -1).T
+    first, last = (rotation_world_to_imu(states[k, :4]).T for k in (0, -1))  # IMU to world
+    drift = Rotation.from_matrix(last @ first.T).as_rotvec()[2]
+    h = np.zeros((3, 15))
+    h[0, 6], h[1, 7] = 1.0, 1.0
+    h[2, 0:3] = 2 * last[2]
+    seen = np.array([*(states[0, 4:6] - states[-1, 4:6]), -drift])
+    spread = np.diag([closed.position_sd_m, closed.position_sd_m, closed.heading_sd_rad]) ** 2
+    weight = np.linalg.solve(h @ p @ h.T + spread, h).T
+    return weight @ seen, weight @ h
 
 
 def _inputs(
@@ -754,7 +798,7 @@ def _forward(
 @njit(cache=True)
 def _backward(
     acc, gyr, still, upright, seen, dt, noise, zero_rate, sign, couple,
-    states, packed, smoothed, sd,
+    states, packed, mu, big, smoothed, sd,
 ):  # fmt: skip
     """Adjoint recursion: mu and big hold what later updates say of the state and how surely.
 
@@ -762,9 +806,9 @@ def _backward(
     updates observe single states, so going back over them only touches these states' rows:
     mu += (residual - error) / R, big += D - D P big - (D P big)' - D (P - P big P) D, D = 1 / R.
     """
-    p, big = np.empty((15, 15)), np.zeros((15, 15))
+    p = np.empty((15, 15))
     work, other, after = np.empty((15, 15)), np.empty((15, 15)), np.empty(16)
-    mu, was, error, blocks = np.zeros(15), np.empty(15), np.empty(15), np.empty((7, 3, 3))
+    was, error, blocks = np.empty(15), np.empty(15), np.empty((7, 3, 3))
     at, weight, residual = np.empty(7, np.int64), np.empty(7), np.empty(7)
     block = np.empty((7, 7))
     for k in range(len(acc), -1, -1):

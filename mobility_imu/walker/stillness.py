@@ -84,8 +84,8 @@ def find_stillness(
     return np.asarray(ndimage.minimum_filter1d(quiet.astype(np.int8), reach, mode="nearest") > 0)
 
 
-def still_stretches(still: NDArray[np.bool_]) -> list[slice]:
-    """Give the runs of still samples as slices."""
-    edge = np.diff(np.r_[0, np.asarray(still, np.int8), 0])
+def runs_of(flags: ArrayLike) -> list[slice]:
+    """Give the runs of samples where a flag is set."""
+    edge = np.diff(np.r_[0, np.asarray(flags, np.int8), 0])
     starts, stops = np.nonzero(edge == 1)[0], np.nonzero(edge == -1)[0]
     return [slice(int(a), int(b)) for a, b in zip(starts, stops, strict=True)]

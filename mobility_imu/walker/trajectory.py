@@ -1,0 +1,203 @@
+"""From the IMU's path to the walking frame's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.recording import Recording
+from mobility_imu.walker.calibration import SCALE_SD, navigate_recording
+from mobility_imu.walker.geometry import WalkerMount, rotation_world_to_imu
+from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
+from mobility_imu.walker.stillness import StillnessSettings
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Path of the walking frame; x and y along its own axes at the start, z up.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    position_m : (n, 3) array, m, middle of the rear tips, 0 at the start
+    rotation_body_to_world : (n, 3, 3) array
+    stationary : (n,) bool array
+    horizontal_sd_m : (n,) array, m, sd of the place on the floor (root of the sum over both axes);
+        with the sensor's scale, but not with creep or slip of the tips, which no IMU sees
+    yaw_sd_rad : (n,) array, rad
+    warnings : what the user should know
+    """
+
+    time_s: FloatArray
+    position_m: FloatArray
+    rotation_body_to_world: FloatArray
+    stationary: NDArray[np.bool_]
+    horizontal_sd_m: FloatArray
+    yaw_sd_rad: FloatArray
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def yaw_rad(self) -> FloatArray:
+        """Heading of the forward axis, rad, 0 at the start, positive to the left, not wrapped."""
+        forward = self.rotation_body_to_world[:, :2, 0]
+        return np.asarray(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0])))
+
+    def to_frame(self) -> pd.DataFrame:
+        """Give the table that ``mobility-imu walker trajectory`` writes."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "time_s": self.time_s,
+                **{f"{axis}_m": self.position_m[:, k] for k, axis in enumerate("xyz")},
+                "yaw_deg": np.rad2deg(self.yaw_rad),
+                "stationary": self.stationary.astype(int),
+            }
+        )
+
+
+def body_position(
+    position_m: ArrayLike, quaternion: ArrayLike, mount: WalkerMount
+) -> tuple[FloatArray, FloatArray]:
+    """Position and attitude of the walking frame from those of its IMU (eq. 25).
+
+    Parameters
+    ----------
+    position_m : (n, 3) array, m, of the IMU, world
+    quaternion : (n, 4) array, Hamilton, scalar first, IMU to world
+    mount : WalkerMount
+
+    Returns
+    -------
+    (n, 3) array, m, of the body's origin, world; (n, 3, 3) array, body to world
+    """
+    to_imu = rotation_world_to_imu(quaternion)
+    body_to_world = np.swapaxes(mount.rotation_imu_to_body @ to_imu, -1, -2)
+    place = as_vectors(position_m, "position_m") - body_to_world @ mount.translation_body_m
+    return place, body_to_world
+
+
+def walking_displacement(
+    position_first_m: ArrayLike,
+    position_last_m: ArrayLike,
+    rotation_first: ArrayLike,
+    rotation_last: ArrayLike,
+    translation_m: ArrayLike,
+    translation_error_m: ArrayLike = (0.0, 0.0, 0.0),
+) -> FloatArray:
+    """Displacement of the walking frame between two moments, m (eqs 26-28).
+
+    (r_N - r_1) - (C_N - C_1)(T + T_e): the paper prints a plus before the term of T in eq. 28. An
+    error of the mount counts by the change of attitude alone: not at all if the frame ends as it
+    began, however far it went.
+
+    Parameters
+    ----------
+    position_first_m, position_last_m : (3,) arrays, m, of the IMU, world
+    rotation_first, rotation_last : (3, 3) arrays, body to world
+    translation_m : (3,) array, m, position of the IMU in the body frame, T
+    translation_error_m : (3,) array, m, T_e
+
+    Returns
+    -------
+    (3,) array, m, world; its length is the paper's walking length
+    """
+    arm = np.asarray(translation_m, float) + np.asarray(translation_error_m, float)
+    turned = np.asarray(rotation_last, float) - np.asarray(rotation_first, float)
+    way = np.asarray(position_last_m, float) - np.asarray(position_first_m, float)
+    return np.asarray(way - turned @ arm)
+
+
+def estimate_trajectory(
+    recording: Recording,
+    mount: WalkerMount,
+    *,
+    smooth: bool = True,
+    closed_loop: ClosedLoop | None = None,
+    translation_sd_m: ArrayLike | None = None,
+    settings: NavigationSettings | None = None,
+    stillness: StillnessSettings | None = None,
+) -> Trajectory:
+    """Path of a walking frame from a recording of the IMU on it.
+
+    Parameters
+    ----------
+    recording : Recording with a sensor "frame"; it begins at rest
+    mount : WalkerMount, see :func:`mobility_imu.walker.calibration.calibrate_mount`
+    smooth : whether each estimate may use what comes after it
+    closed_loop : if the walk is known to end where and as it began; never evidence of accuracy
+    translation_sd_m : (3,) array, m, sd of the mount's position, for the path's sd
+    settings, stillness : see :func:`mobility_imu.walker.navigation.navigate`
+
+    Returns
+    -------
+    Trajectory
+
+    Raises
+    ------
+    InputError
+        If the recording has no sensor "frame" with gyroscope, or no still phase at its start.
+    """
+    path, warnings = navigate_recording(
+        recording, smooth=smooth, settings=settings, stillness=stillness, closed_loop=closed_loop
+    )
+    return trajectory_from_path(path, mount, translation_sd_m=translation_sd_m, warnings=warnings)
+
+
+def trajectory_from_path(
+    path: Navigation,
+    mount: WalkerMount,
+    *,
+    translation_sd_m: ArrayLike | None = None,
+    warnings: tuple[str, ...] = (),
+) -> Trajectory:
+    """Do what :func:`estimate_trajectory` does, from a path of the IMU that is there already.
+
+    Parameters
+    ----------
+    path : Navigation
+    mount, translation_sd_m : as in :func:`estimate_trajectory`
+    warnings : said before
+    """
+    place, body_to_world = body_position(path.position_m, path.quaternion, mount)
+    first = int(np.argmax(path.still))
+    forward = body_to_world[first, :2, 0]
+    east, north = forward / np.linalg.norm(forward)
+    to_start = np.array([[east, north, 0.0], [-north, east, 0.0], [0.0, 0.0, 1.0]])
+    position = (place - place[first]) @ to_start.T
+    attitude = to_start @ body_to_world
+    # The mount's error acts by how far the frame has turned since the start: eq. 28.
+    arm_sd = np.zeros(3) if translation_sd_m is None else np.asarray(translation_sd_m, float)
+    turned = attitude - attitude[first]
+    by_mount = np.einsum("nij,j->ni", turned[:, :2] ** 2, arm_sd**2).sum(axis=1)
+    by_scale = SCALE_SD * np.linalg.norm(position[:, :2], axis=1)
+    horizontal = np.sqrt((path.sd[:, 6:8] ** 2).sum(axis=1) + by_mount + by_scale**2)
+    up = path.rotation_imu_to_world()[:, 2]
+    yaw_sd = 2 * np.sqrt(np.einsum("ni,ni->n", up**2, path.sd[:, :3] ** 2))
+    heading = np.unwrap(np.arctan2(attitude[:, 1, 0], attitude[:, 0, 0]))
+    yaw_sd = np.hypot(yaw_sd, SCALE_SD * np.abs(heading))
+    said = list(warnings)
+    backward = _backward_share(position, attitude, path.still)
+    if backward > 0.8:
+        said.append(
+            "the frame went backward: was it calibrated with tilts in another order than stated?"
+        )
+    return Trajectory(path.time_s, position, attitude, path.still, horizontal, yaw_sd, tuple(said))
+
+
+def _backward_share(position: FloatArray, attitude: FloatArray, still: NDArray[np.bool_]) -> float:
+    """Share of the way between rests that goes against the forward axis; 0 if it hardly moved."""
+    at = np.nonzero(still & ~np.r_[still[1:], False])[0]
+    steps = np.diff(position[at, :2], axis=0)
+    length = np.linalg.norm(steps, axis=1)
+    if length.sum() < 1.0:
+        return 0.0
+    along = np.einsum("ni,ni->n", steps, attitude[at[:-1], :2, 0])
+    return float(length[along < 0].sum() / length.sum())
