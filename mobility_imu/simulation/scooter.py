@@ -30,6 +30,7 @@ from mobility_imu.scooter.geometry import (
     rotation_steering_column_to_body,
     rotation_steering_to_column,
 )
+from mobility_imu.simulation.kinematics import angular_rates, second_derivative
 from mobility_imu.simulation.sensor import LPMS_CU2, SensorModel, measure
 
 if TYPE_CHECKING:
@@ -369,14 +370,14 @@ def simulate_ride(
     ):
         at = origin + np.einsum("nij,nj->ni", to_world, place)
         axes = to_world @ turn @ Rotation.from_rotvec(tilt).as_matrix()
-        force = _second_derivative(at, 1 / FAST_HZ)
+        force = second_derivative(at, 1 / FAST_HZ)
         force[:, 2] += STANDARD_GRAVITY_MPS2
         acc = np.einsum("nij,ni->nj", axes, force)
         acc = acc + _shake(fast.speed_mps, on_tactile, shaking, shaking.vibration_hz[k], rng)
         output = measure(
             time_s,
             acc,
-            _rates(axes, 1 / FAST_HZ),
+            angular_rates(axes, 1 / FAST_HZ),
             sensor,
             sampling_rate_hz=sampling_rate_hz,
             seed=2 * seed + k,
@@ -585,28 +586,6 @@ def _lever(
     return place, steering @ lever
 
 
-def _second_derivative(values: FloatArray, dt: float) -> FloatArray:
-    inner = (values[2:] - 2 * values[1:-1] + values[:-2]) / dt**2
-    return np.concatenate([inner[:1], inner, inner[-1:]])
-
-
-def _rates(axes: FloatArray, dt: float) -> FloatArray:
-    """Angular rate in the sensor's axes from its orientation, centred differences."""
-    step = np.swapaxes(axes[:-1], 1, 2) @ axes[1:]
-    # Rodrigues: the skew part of a rotation matrix is sin(angle) times its axis.
-    skew = np.stack(
-        [
-            step[:, 2, 1] - step[:, 1, 2],
-            step[:, 0, 2] - step[:, 2, 0],
-            step[:, 1, 0] - step[:, 0, 1],
-        ],
-        axis=1,
-    )
-    sine = np.linalg.norm(skew, axis=1, keepdims=True) / 2
-    turns = skew / 2 / np.sinc(np.arcsin(np.minimum(sine, 1)) / np.pi) / dt
-    return np.concatenate([turns[:1], (turns[1:] + turns[:-1]) / 2, turns[-1:]])
-
-
 def _shake(
     speed: FloatArray,
     on_tactile: FloatArray,
@@ -722,12 +701,12 @@ def simulate_parked(
         )
     ):
         world = level @ axes @ Rotation.from_rotvec(tilt).as_matrix()
-        force = _second_derivative(at @ level.T, 1 / FAST_HZ)
+        force = second_derivative(at @ level.T, 1 / FAST_HZ)
         force[:, 2] += STANDARD_GRAVITY_MPS2
         output = measure(
             time_s,
             np.einsum("nij,ni->nj", world, force),
-            _rates(world, 1 / FAST_HZ),
+            angular_rates(world, 1 / FAST_HZ),
             sensor,
             sampling_rate_hz=sampling_rate_hz,
             seed=2 * seed + k,
