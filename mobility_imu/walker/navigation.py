@@ -4,8 +4,8 @@ World frame: z up, origin where the IMU is at the start. Its heading is a matter
 the IMU is brought upright by the shortest turn. (The paper lays x in the vertical plane of the
 IMU's x axis, which fails where that axis is vertical, as it nearly is in its third mounting.)
 
-A reading stands for the interval around its sample. The filter therefore steps from midpoint to
-midpoint between samples; what is given out is brought back to the samples.
+A reading is taken for the value at its time. The filter steps from midpoint to midpoint between
+samples, with the means over these intervals; what is given out is brought back to the samples.
 """
 
 from __future__ import annotations
@@ -141,6 +141,32 @@ class Navigation(NamedTuple):
     def rotation_imu_to_world(self) -> FloatArray:
         """Give the attitude as matrices, (n, 3, 3)."""
         return np.swapaxes(rotation_world_to_imu(self.quaternion), 1, 2)
+
+
+def interval_means(
+    acc_mps2: ArrayLike, gyr_radps: ArrayLike, dt_s: float
+) -> tuple[FloatArray, FloatArray]:
+    """Means over the intervals around the samples, from values at the samples.
+
+    To second order in the interval: the rate's mean with its coning term, and the force turned by
+    what the attitude in the middle differs from that after half of the mean rate. Without this a
+    tilt of 30 deg leaves 0.1 mm at 100 Hz, a rectangle of 17.5 m some millimetres.
+
+    Parameters
+    ----------
+    acc_mps2, gyr_radps : (n, 3) arrays, in the IMU's axes
+    dt_s : s, between two samples
+
+    Returns
+    -------
+    (n, 3), (n, 3) arrays : m/s² and rad/s
+    """
+    acc, gyr = as_vectors(acc_mps2, "acc_mps2"), as_vectors(gyr_radps, "gyr_radps")
+    slope, bend = np.zeros_like(gyr), np.zeros_like(gyr)
+    slope[1:-1] = (gyr[2:] - gyr[:-2]) / 2
+    bend[1:-1] = gyr[2:] - 2 * gyr[1:-1] + gyr[:-2]
+    rate = gyr + bend / 24 + dt_s / 12 * np.cross(gyr, slope)
+    return acc - dt_s / 8 * np.cross(slope, acc), rate
 
 
 def strapdown_rates(
@@ -302,6 +328,7 @@ def integrate_strapdown(
     Navigation; its standard deviations are NaN
     """
     clock, acc, gyr, at_rest = _inputs(time_s, acc_mps2, gyr_radps, still)
+    acc, gyr = interval_means(acc, gyr, float(np.median(np.diff(clock))))
     states = np.empty((len(clock) + 1, 16))
     states[0] = np.concatenate(list(start))
     _integrate(acc, gyr, at_rest, _intervals(clock), states)
@@ -349,6 +376,7 @@ def navigate(
     """
     settings = settings or NavigationSettings()
     clock, acc, gyr, at_rest = _inputs(time_s, acc_mps2, gyr_radps, still)
+    acc, gyr = interval_means(acc, gyr, float(np.median(np.diff(clock))))
     state, covariance = _start(clock, acc, gyr, at_rest, settings)
     return run_filter(clock, acc, gyr, at_rest, state, covariance, settings, smooth=smooth, cut=cut)
 
@@ -367,7 +395,7 @@ def run_filter(
     closed_loop: ClosedLoop | None = None,
     observed: ArrayLike | None = None,
 ) -> Navigation:
-    """Filter and smoother from a given start, see :func:`navigate`.
+    """Filter and smoother from a given start and means over intervals, see :func:`navigate`.
 
     Parameters
     ----------
