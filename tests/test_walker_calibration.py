@@ -158,7 +158,7 @@ def test_eq10_refuses_half_a_turn():
 
 
 def test_eq12_arc_cosine_is_blind_near_zero():
-    """At 1e-9 rad the scalar part rounds to 1: the printed form says 0, the arc tangent the angle."""
+    """At 1e-9 rad the scalar part rounds to 1: the printed form says 0."""
     small = tilt_quaternion([0, 1, 0], 1e-9)
     assert tilt_angle(small, form="printed") == 0.0
     assert np.isclose(tilt_angle(small), 1e-9, rtol=1e-9)
@@ -269,9 +269,8 @@ def monte_carlo(sensor, method):
     squares = []
     for seed in range(20):
         for pose in POSES:
-            place, turn = errors(
-                calibrate_mount(tilt_recording(seed, pose, sensor), FRAME, method=method), pose
-            )
+            path, _ = navigate_recording(tilt_recording(seed, pose, sensor))
+            place, turn = errors(calibrate_from_path(path, FRAME, method=method), pose)
             squares.append([place @ place, turn**2])
     place, turn = np.sqrt(np.mean(squares, axis=0))
     return place, np.rad2deg(turn)
@@ -293,13 +292,17 @@ def test_calibration_is_as_good_as_asked(sensor, method, place_m, turn_deg):
 
 
 def test_standard_deviations_are_of_the_errors_size():
-    """Rms of error over sd between 0.5 and 2 per axis, with the sensor's own errors, 20 runs."""
+    """Rms of error over sd per axis, with the sensor's own errors, 16 units: between 0.4 and 1.6.
+
+    For 16 standard normal numbers the rms lies between 0.65 and 1.35 in 95 %; the margin is for
+    what the standard deviations leave out.
+    """
     ratios = []
-    for seed in range(20):
+    for seed in range(16):
         found = calibrate_mount(tilt_recording(seed, "2", MTI_1), FRAME)
         ratios.append(errors(found, "2")[0] / found.translation_sd_m)
     rms = np.sqrt(np.mean(np.square(ratios), axis=0))
-    assert (rms > 0.4).all() and (rms < 2).all(), rms
+    assert (rms > 0.4).all() and (rms < 1.6).all(), rms
 
 
 def test_arc_fit_finds_axis_and_arm():
@@ -330,8 +333,8 @@ def test_width_and_height_need_no_tape_with_the_whole_arcs():
 def test_realistic_tilting_is_calibrated_within_a_few_centimetres():
     places = [
         errors(
-            calibrate_mount(
-                tilt_recording(seed, pose, MTI_1, REALISTIC),
+            calibrate_from_path(
+                navigate_recording(tilt_recording(seed, pose, MTI_1, REALISTIC))[0],
                 measured_geometry(FRAME, REALISTIC, seed),
             ),
             pose,
@@ -355,8 +358,6 @@ def cut_out(recording, keep):
 def test_no_still_phase_at_the_start():
     recording = tilt_recording()
     motion = simulate_tilts(FRAME, seed=0)
-    middle = (motion.tilts[0].start_s + motion.tilts[0].held_from_s) / 2
-    rest = simulate_tilts(FRAME, seed=0).tilts[0]
     shaken = recording.sensors["frame"].gyr_radps + 0.5 * np.sin(
         40 * recording.time_s
     )[:, None] * (recording.time_s < 6)[:, None]  # fmt: skip
@@ -367,31 +368,32 @@ def test_no_still_phase_at_the_start():
             ),
             FRAME,
         )
-    late = cut_out(recording, recording.time_s > middle)
-    found = calibrate_mount(late, FRAME, order=("front", "back", "right", "left"))
-    assert rest.direction == "front" and len(found.tilts) == 3
-    assert any("no still phase before it" in said for said in found.warnings)
+    tilts = motion.tilts
+    held = cut_out(recording, recording.time_s > tilts[0].held_from_s)
+    with pytest.raises(InputError, match="expected rest on all four tips"):
+        calibrate_mount(held, FRAME)
+    late = cut_out(recording, recording.time_s > tilts[0].held_until_s + 0.3)
+    found = calibrate_mount(late, FRAME, order=("back", "right", "left"))
+    assert [tilt.direction for tilt in found.tilts] == ["back", "right", "left"]
+    assert any("the frame moves at the start" in said for said in found.warnings)
+    assert np.abs(errors(found, "1")[0]).max() < 0.01
 
 
 def test_recording_that_ends_in_a_tilt():
     recording = tilt_recording()
     last = simulate_tilts(FRAME, seed=0).tilts[-1]
     short = cut_out(recording, recording.time_s < last.held_until_s)
+    two = simulate_tilts(FRAME, seed=0).tilts[1].stop_s + 1
+    front_and_back = cut_out(recording, recording.time_s < two)
     found = calibrate_mount(short, FRAME)
     assert len(found.tilts) == 3 and np.abs(errors(found, "1")[0]).max() < 0.01
     assert any("does not come back before the recording ends" in said for said in found.warnings)
     with pytest.raises(InputError, match="missing: left"):
         calibrate_mount(short, FRAME, method="four-tilts")
     with pytest.raises(InputError, match="missing: right"):
-        calibrate_mount(
-            cut_out(recording, recording.time_s < simulate_tilts(FRAME, seed=0).tilts[1].stop_s + 1),
-            FRAME, method="two-tilts",
-        )  # fmt: skip
+        calibrate_mount(front_and_back, FRAME, method="two-tilts")
     with pytest.raises(InputError, match="one to the right or left"):
-        calibrate_mount(
-            cut_out(recording, recording.time_s < simulate_tilts(FRAME, seed=0).tilts[1].stop_s + 1),
-            FRAME,
-        )  # fmt: skip
+        calibrate_mount(front_and_back, FRAME)
 
 
 def test_tilts_below_ten_degrees_are_left_out():
@@ -435,7 +437,7 @@ def test_tilt_across_a_corner_is_refused():
         attitude[span.start].inv() * up * attitude[span.start]
     ) * lean * (attitude[span.start].inv() * up * attitude[span.start]).inv()  # fmt: skip
     mixed = np.where(inside[:, None], turned.as_quat(scalar_first=True), path.quaternion)
-    with pytest.raises(InputError, match="40 deg off|39 deg off|41 deg off"):
+    with pytest.raises(InputError, match=r"(39|40|41) deg off"):
         find_tilts(path._replace(quaternion=mixed))
 
 
@@ -458,9 +460,8 @@ def test_saturation_is_said_and_survived():
     assert any("saturated in 12 samples" in said for said in found.warnings)
     end = found.position_m[-1] - walk.position_body_m[-1]
     assert np.linalg.norm(end) < 1.0
-    assert found.horizontal_sd_m[-1] > 2 * estimate_trajectory(
-        walk.recording, pose_mount("1")
-    ).horizontal_sd_m[-1]  # fmt: skip
+    whole = estimate_trajectory(walk.recording, pose_mount("1"))
+    assert found.horizontal_sd_m[-1] > whole.horizontal_sd_m[-1]
 
 
 # Trajectory.

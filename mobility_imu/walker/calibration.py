@@ -7,8 +7,8 @@ plane says how the IMU is turned, its radius how far from that edge it is.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_vectors
-from mobility_imu.recording import Recording, saturated_samples
+from mobility_imu.recording import Imu, Recording, saturated_samples
 from mobility_imu.walker.geometry import (
     TILT_DIRECTIONS,
     TiltDirection,
@@ -39,9 +39,10 @@ Form = Literal["corrected", "printed"]
 
 LEAST_TILT_RAD = float(np.deg2rad(10))
 """A tilt of less says little: the error of a distance grows as one over the angle."""
+LATEST_REST_S = 5.0
 SCALE_SD = 0.003
 MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))
-"""Errors of the sensor's axes that no tilt shows: added to what the arcs' own scatter says."""
+"""Errors of the sensor's scale and axes that we take for granted; no tilt shows them."""
 _NOTICED_RAD = float(np.deg2rad(3))
 _UPRIGHT_RAD = float(np.deg2rad(2))
 # Which way each tilt goes, as an angle about the vertical from straight ahead.
@@ -489,7 +490,8 @@ def find_tilts(
     if not found:
         said = f" ({'; '.join(warnings)})" if warnings else ""
         raise InputError(
-            f"no tilt found: expected still phases with tilts of 20 to 45 deg between them{said}"
+            "no tilt found: expected rest on all four tips, then tilts of 20 to 45 deg with rest "
+            f"between them{said}"
         )
     # Directions that the top moves in, as angles about the vertical from the first one's.
     ahead = found[0][3] - (found[0][3] @ up) * up
@@ -544,7 +546,12 @@ def navigate_recording(
 
     Returns
     -------
-    Navigation, warnings (where the sensor was cut off)
+    Navigation from the first rest on, warnings (a late rest, samples at the end of the range)
+
+    Raises
+    ------
+    InputError
+        If there is no rest within the first seconds.
     """
     imu = recording.sensor("frame", gyroscope=True)
     gyr = np.asarray(imu.gyr_radps)
@@ -560,15 +567,28 @@ def navigate_recording(
         for name, cut in (("acc", cut_acc), ("gyr", cut_gyr))
         if cut.any()
     ]
+    # Where up is comes from the first rest; what lies before it cannot be followed.
+    begin = int(np.argmax(still))
+    late_s = float(recording.time_s[begin] - recording.time_s[0])
+    if late_s > LATEST_REST_S or not still.any():
+        raise InputError(
+            f"{recording.source}: the frame is not still within the first {LATEST_REST_S:g} s: "
+            "expected some seconds of rest at the start, which say where up is"
+        )
+    if late_s > 0.2:
+        warnings.append(
+            f"{recording.source}: the frame moves at the start; the first {late_s:.1f} s are left "
+            "out"
+        )
     try:
         path = navigate(
-            recording.time_s,
-            imu.acc_mps2,
-            gyr,
-            still,
+            recording.time_s[begin:],
+            imu.acc_mps2[begin:],
+            gyr[begin:],
+            still[begin:],
             settings,
             smooth=smooth,
-            cut=cut_acc,
+            cut=cut_acc[begin:],
             closed_loop=closed_loop,
         )
     except InputError as error:
@@ -604,17 +624,19 @@ def calibrate_mount(
 
     Returns
     -------
-    MountCalibration
+    MountCalibration; the standard deviations of "all-samples" are the scatter of the arcs with
+        the effect of SCALE_SD and MISALIGNMENT_SD_RAD, but not of edges that slip
 
     Raises
     ------
     InputError
         If the tilts that the method needs are not in the recording; the message says which.
     """
-    path, warnings = navigate_recording(
-        recording, smooth=smooth, settings=settings, stillness=stillness
-    )
-    try:
+
+    def calibrate(readings: Recording) -> MountCalibration:
+        path, said = navigate_recording(
+            readings, smooth=smooth, settings=settings, stillness=stillness
+        )
         return calibrate_from_path(
             path,
             geometry,
@@ -622,10 +644,47 @@ def calibrate_mount(
             form=form,
             order=order,
             velocity_tilt_rad=velocity_tilt_rad,
-            warnings=warnings,
+            warnings=said,
         )
+
+    try:
+        found = calibrate(recording)
+        if method != "all-samples":
+            return found
+        return _with_sensor_errors(found, recording, calibrate)
     except InputError as error:
+        if str(error).startswith(recording.source):
+            raise
         raise InputError(f"{recording.source}: {error}") from None
+
+
+def _with_sensor_errors(
+    found: MountCalibration,
+    recording: Recording,
+    calibrate: Callable[[Recording], MountCalibration],
+) -> MountCalibration:
+    """Add what errors of the sensor's scale and axes do, by calibrating with each of them.
+
+    No tilt shows them: an accelerometer whose axes differ in scale by 0.3 % moves the height by
+    a centimetre in all four tilts alike.
+    """
+    imu = recording.sensor("frame", gyroscope=True)
+    place_var, turn_var = found.translation_sd_m**2, found.rotation_sd_rad**2
+    for sensor in ("acc", "gyr"):
+        for row in range(3):
+            for column in range(3):
+                size = SCALE_SD if row == column else MISALIGNMENT_SD_RAD
+                mixing = np.eye(3)
+                mixing[row, column] += size
+                acc, gyr = imu.acc_mps2, np.asarray(imu.gyr_radps)
+                wrong = Imu(acc @ mixing.T, gyr) if sensor == "acc" else Imu(acc, gyr @ mixing.T)
+                other = calibrate(Recording(recording.time_s, {"frame": wrong})).mount
+                place_var = (
+                    place_var + (other.translation_body_m - found.mount.translation_body_m) ** 2
+                )
+                turn = other.rotation_imu_to_body @ found.mount.rotation_imu_to_body.T
+                turn_var = turn_var + Rotation.from_matrix(turn).as_rotvec() ** 2
+    return replace(found, translation_sd_m=np.sqrt(place_var), rotation_sd_rad=np.sqrt(turn_var))
 
 
 def calibrate_from_path(
@@ -645,6 +704,10 @@ def calibrate_from_path(
     path : Navigation
     geometry, method, form, order, velocity_tilt_rad : as in :func:`calibrate_mount`
     warnings : said before
+
+    Returns
+    -------
+    MountCalibration; its standard deviations are those of a sensor without errors of its axes
     """
     if method not in ("four-tilts", "two-tilts", "all-samples"):
         raise InputError(
@@ -790,26 +853,25 @@ def _from_arcs(
         weights=[np.inf, *([1.0] * len(fits))],
     )
     imu_to_body = turn.as_matrix()
-    # Each arc observes two components: the one across its edge, and the height.
+    # Each arc observes two components: the one across its edge, and the height. Opposite edges
+    # count alike, so that what both have in common (tape, ferrules) cancels.
     values: list[list[float]] = [[], [], []]
     weights: list[list[float]] = [[], [], []]
-    for fit, edge, tilt in zip(fits, edges, tilts, strict=True):
+    names = [tilt.direction for tilt in tilts]
+    variance = float(np.mean([np.trace(fit.covariance_m2) / 2 for fit in fits]))
+    for fit, edge, name in zip(fits, edges, names, strict=True):
         arm = imu_to_body @ fit.arm_imu_m
         spread = imu_to_body @ fit.covariance_m2 @ imu_to_body.T
-        for axis in (pairs[tilt.direction], 2):
-            values[axis].append(arm[axis] + edge.point_m[axis])
-            weights[axis].append(1 / max(spread[axis, axis], 1e-12))
+        values[pairs[name]].append(float(arm[pairs[name]] + edge.point_m[pairs[name]]))
+        weights[pairs[name]].append(1 / max(variance * names.count(name), 1e-12))
+        values[2].append(float(arm[2]))
+        weights[2].append(1 / max(spread[2, 2], 1e-12))
     place = np.array([np.average(v, weights=w) for v, w in zip(values, weights, strict=True)])
     sd = np.array([1 / np.sqrt(np.sum(w)) for w in weights])
-    surplus = sum(len(v) - 1 for v in values)
-    if surplus:
-        # Where arcs disagree by more than they should, all of them are that much worse (Birge).
-        chi = sum(
-            float(np.sum(np.array(w) * (np.array(v) - mean) ** 2))
-            for v, w, mean in zip(values, weights, place, strict=True)
-        )
-        sd *= max(1.0, np.sqrt(chi / surplus))
-    sd = np.hypot(sd, SCALE_SD * np.linalg.norm(place))
+    if len(tilts) > 1:
+        # Where the heights disagree by more than they should, all are that much worse (Birge).
+        chi = float(np.sum(np.array(weights[2]) * (np.array(values[2]) - place[2]) ** 2))
+        sd[2] *= max(1.0, np.sqrt(chi / (len(tilts) - 1)))
     headings = []
     for fit, edge in zip(fits, edges, strict=True):
         across = imu_to_body @ fit.axis_imu
@@ -825,7 +887,7 @@ def _from_arcs(
     return MountCalibration(
         WalkerMount(imu_to_body, place),
         sd,
-        np.hypot([level, level, yaw_sd], MISALIGNMENT_SD_RAD),
+        np.array([level, level, yaw_sd]),
         footprint,
         tuple(tilts),
         tuple(notes),

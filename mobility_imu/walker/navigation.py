@@ -378,7 +378,18 @@ def navigate(
     clock, acc, gyr, at_rest = _inputs(time_s, acc_mps2, gyr_radps, still)
     acc, gyr = interval_means(acc, gyr, float(np.median(np.diff(clock))))
     state, covariance = _start(clock, acc, gyr, at_rest, settings)
-    return run_filter(clock, acc, gyr, at_rest, state, covariance, settings, smooth=smooth, cut=cut)
+    return run_filter(
+        clock,
+        acc,
+        gyr,
+        at_rest,
+        state,
+        covariance,
+        settings,
+        smooth=smooth,
+        cut=cut,
+        closed_loop=closed_loop,
+    )
 
 
 def run_filter(
