@@ -32,7 +32,14 @@ lab: $(VENV)/.installed   ## open the notebooks in JupyterLab
 	$(BIN)/jupyter lab notebooks
 
 bench: $(VENV)/.installed ## measure speed as ratios against named peers
+	$(MAKE) --no-print-directory $(VENV)/gaitmap/.installed || echo "gaitmap: not installed"
 	for b in benchmarks/bench_*.py; do $(BIN)/python $$b || exit 1; done
+
+# A peer with dependencies of its own gets its own environment.
+$(VENV)/gaitmap/.installed: benchmarks/requirements-gaitmap.txt
+	$(PYTHON) -m venv $(VENV)/gaitmap
+	$(VENV)/gaitmap/bin/python -m pip install --disable-pip-version-check --quiet -r $<
+	touch $@
 
 lock: $(VENV)/.installed  ## renew constraints.txt from this environment
 	$(BIN)/python -m pip freeze --exclude-editable > constraints.txt

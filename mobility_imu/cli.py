@@ -41,9 +41,11 @@ app = typer.Typer(
 )
 scooter_app = typer.Typer(no_args_is_help=True, help="Mobility scooter: steering and throttle.")
 wheelchair_app = typer.Typer(no_args_is_help=True, help="Manual wheelchair: velocities and tasks.")
+walker_app = typer.Typer(no_args_is_help=True, help="Walking frame: mount of the IMU, and path.")
 simulate_app = typer.Typer(no_args_is_help=True, help="Recordings with known truth.")
 app.add_typer(scooter_app, name="scooter")
 app.add_typer(wheelchair_app, name="wheelchair")
+app.add_typer(walker_app, name="walker")
 app.add_typer(simulate_app, name="simulate")
 
 
@@ -81,6 +83,37 @@ class Edge(StrEnum):
 
     covering = "covering"
     tool = "tool"
+
+
+class MountMethod(StrEnum):
+    """How a walking frame's tilts are used."""
+
+    four_tilts = "four-tilts"
+    two_tilts = "two-tilts"
+    all_samples = "all-samples"
+
+
+class TiltForm(StrEnum):
+    """Which form of eqs 12 and 15 to 17."""
+
+    corrected = "corrected"
+    printed = "printed"
+
+
+class FrameCourse(StrEnum):
+    """What a simulated walking frame walks."""
+
+    corridor = "corridor"
+    rectangle = "rectangle"
+    timed_up_and_go = "timed-up-and-go"
+
+
+class FrameLevel(StrEnum):
+    """What goes wrong in a simulated walk."""
+
+    data_sheet = "data-sheet"
+    sensor = "sensor"
+    realistic = "realistic"
 
 
 class Work(StrEnum):
@@ -514,6 +547,115 @@ def wheelchair_tasks(
         _write_tables(tables)
 
 
+@walker_app.command("calibrate")
+def walker_calibrate(
+    tilts: Annotated[Path, typer.Argument(help="Recording of the tilts: CSV with sensor 'frame'.")],
+    geometry: Annotated[Path, typer.Option(help="TOML with a section [walker].")],
+    output: Output,
+    method: Annotated[
+        MountMethod, typer.Option(help="The paper's two methods, or arcs fitted whole.")
+    ] = MountMethod.all_samples,
+    form: Annotated[
+        TiltForm, typer.Option(help="The paper's methods: corrected, or as printed.")
+    ] = TiltForm.corrected,
+    order: Annotated[
+        str, typer.Option(help="Tilts as they were made; only the first has to be right.")
+    ] = "front,back,right,left",
+    smooth: Annotated[
+        bool, typer.Option("--smooth/--no-smooth", help="Smooth the path, or filter only.")
+    ] = True,
+    fill_gaps_s: FillGaps = 0.0,
+) -> None:
+    """How the IMU is fixed to a walking frame, from tilting it (Doan & Pham).
+
+    Let the frame stand for three seconds on level ground. Tilt it by 20 to 45 degrees to the front,
+    back, right and left, about the tips of one side each time; let it stand for two seconds after
+    each tilt.
+    """
+    import numpy as np
+
+    from mobility_imu.readers import read_recording
+    from mobility_imu.walker import WalkerGeometry, calibrate_mount
+
+    frame = WalkerGeometry.from_toml(geometry)
+    recording = read_recording(tilts, fill_gaps_s=fill_gaps_s)
+    found = calibrate_mount(
+        recording,
+        frame,
+        method=method.value,
+        form=form.value,
+        order=[name.strip() for name in order.split(",")],  # type: ignore[misc]
+        smooth=smooth,
+    )
+    for said in found.warnings:
+        warnings.warn(said, stacklevel=1)
+    rotation = [[round(float(v), 6) for v in row] for row in found.mount.rotation_imu_to_body]
+    place = [round(float(v), 4) for v in found.mount.translation_body_m]
+    lines = [
+        "[walker]",
+        f"footprint_width_m = {frame.footprint_width_m}",
+        f"footprint_length_m = {frame.footprint_length_m}",
+        "",
+        "[walker.mount]",
+        f"# {method.value}: "
+        + ", ".join(f"{t.direction} {np.rad2deg(t.angle_rad):.0f} deg" for t in found.tilts),
+    ]
+    if np.isfinite(found.translation_sd_m).all():
+        place_sd = ", ".join(f"{1000 * value:.1f}" for value in found.translation_sd_m)
+        turn_sd = ", ".join(f"{value:.2f}" for value in np.rad2deg(found.rotation_sd_rad))
+        lines += [f"# sd in mm along x, y, z: {place_sd}", f"# sd in deg about x, y, z: {turn_sd}"]
+    lines += [f"rotation_imu_to_body = {rotation}", f"translation_body_m = {place}"]
+    with _new_file(output) as unfinished:
+        unfinished.write_text("\n".join(lines) + "\n")
+
+
+@walker_app.command("trajectory")
+def walker_trajectory(
+    walk: Annotated[Path, typer.Argument(help="Recording of a walk: CSV with sensor 'frame'.")],
+    geometry: Annotated[Path, typer.Option(help="TOML with a section [walker.mount].")],
+    output: Output,
+    steps: Annotated[
+        Path | None, typer.Option(help="Also write a table of the steps to this CSV file.")
+    ] = None,
+    smooth: Annotated[
+        bool, typer.Option("--smooth/--no-smooth", help="Smooth the path, or filter only.")
+    ] = True,
+    closed_loop: Annotated[
+        bool,
+        typer.Option(
+            "--closed-loop",
+            help="The walk ends where and as it began: a constraint, never evidence of accuracy.",
+        ),
+    ] = False,
+    fill_gaps_s: FillGaps = 0.0,
+) -> None:
+    """Path of a walking frame, and its lift-and-place steps (Doan & Pham).
+
+    The recording begins with some seconds of rest. x points forward and y to the left as the frame
+    stands at the start.
+    """
+    from mobility_imu.readers import read_recording
+    from mobility_imu.walker import WalkerMount, estimate_trajectory
+    from mobility_imu.walker.gait import find_steps
+    from mobility_imu.walker.navigation import ClosedLoop
+
+    if closed_loop and not smooth:
+        raise InputError("--closed-loop needs the smoother: it cannot be had with --no-smooth")
+    mount = WalkerMount.from_toml(geometry)
+    found = estimate_trajectory(
+        read_recording(walk, fill_gaps_s=fill_gaps_s),
+        mount,
+        smooth=smooth,
+        closed_loop=ClosedLoop() if closed_loop else None,
+    )
+    for said in found.warnings:
+        warnings.warn(said, stacklevel=1)
+    tables = {output: found.to_frame()}
+    if steps is not None:
+        tables[steps] = find_steps(found).to_frame()
+    _write_tables(tables)
+
+
 @simulate_app.command("scooter")
 def simulate_scooter(
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write into.")],
@@ -603,6 +745,69 @@ def simulate_wheelchair(
             f"track_m = {chair.track_m}\n"
         )
         _write_tables(tables)
+
+
+@simulate_app.command("walker")
+def simulate_walker(
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder to write into.")],
+    seed: Annotated[int, typer.Option(help="The same seed gives the same bytes.")],
+    course: Annotated[FrameCourse, typer.Option(help="What is walked.")] = FrameCourse.corridor,
+    level: Annotated[
+        FrameLevel, typer.Option(help="Noise only, errors of the sensor, of the frame as well.")
+    ] = FrameLevel.realistic,
+    pose: Annotated[int, typer.Option(help="Mounting of the paper's Table 1.", min=1, max=5)] = 1,
+) -> None:
+    """A walking frame: tilts for the calibration, a walk, its truth, geometry and true mount."""
+    import numpy as np
+    import pandas as pd
+
+    from mobility_imu.reproduction.walker import pose_mount
+    from mobility_imu.reproduction.walker_study import LEVELS, tilt_run
+    from mobility_imu.simulation import walker
+
+    chosen = LEVELS[level.value.replace("-", " ")]
+    tilts, tape = tilt_run(seed, str(pose), chosen)
+    path = getattr(walker, course.name.upper())
+    walk = walker.attach_imu(
+        walker.simulate_walk(path, seed=seed, imperfections=chosen.imperfections),
+        pose_mount(str(pose)),
+        chosen.sensor,
+        seed=100 * seed + pose,
+        unit_seed=10 * seed + pose,  # the sensor of the tilts
+    )
+    forward = walk.rotation_body_to_world[:, :, 0]
+    truth = pd.DataFrame(
+        {
+            "time_s": walk.recording.time_s,
+            **{f"{axis}_m": walk.position_body_m[:, k] for k, axis in enumerate("xyz")},
+            "yaw_deg": np.rad2deg(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0]))),
+            "stationary": walk.stationary.astype(int),
+        }
+    )
+    output.mkdir(parents=True, exist_ok=True)
+    footprint = (
+        f"[walker]\nfootprint_width_m = {tape.footprint_width_m:.4f}\n"
+        f"footprint_length_m = {tape.footprint_length_m:.4f}\n"
+    )
+    rotation = [[round(float(v), 6) for v in row] for row in walk.mount.rotation_imu_to_body]
+    place = [round(float(v), 4) for v in walk.mount.translation_body_m]
+    true_mount = (
+        f"{footprint}\n[walker.mount]\nrotation_imu_to_body = {rotation}\n"
+        f"translation_body_m = {place}\n"
+    )
+    with (
+        _new_file(output / "geometry.toml") as unfinished,
+        _new_file(output / "true_mount.toml") as beside,
+    ):
+        unfinished.write_text(footprint)
+        beside.write_text(true_mount)
+        _write_tables(
+            {
+                output / "tilts.csv.gz": tilts.recording.to_frame(),
+                output / "walk.csv.gz": walk.recording.to_frame(),
+                output / "truth.csv.gz": truth,
+            }
+        )
 
 
 @app.command()

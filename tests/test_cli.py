@@ -298,6 +298,10 @@ def test_reproduce_on_the_terminal_and_as_json(tmp_path):
         "Table 1, pose 1",
         "Table 1, pose 2",
         "Tables 1, 3, 4 with eq. 27",
+        "Table 1",  # simulated runs: the paper's errors are not those of a sensor
+        "Table 2",
+        "Table 3",
+        "Table 3, only the end corrected for the lever arm",
     }
     for record in records:
         assert record["tolerance_reason"]

@@ -25,6 +25,7 @@ _LONGEST_SWING_S = 3.0
 """Nobody who walks holds the frame up for longer: such a move will be several."""
 _STANDING_TILT_RAD = float(np.deg2rad(2))
 """A frame that stands leans with the floor; one that is in the air is pitched by more."""
+_ROUNDING_M = 1e-9
 
 
 @dataclass(frozen=True)
@@ -203,19 +204,22 @@ def _height_and_pitch(
 def _doubts(trajectory: Trajectory, swing_s: FloatArray) -> list[str]:
     """What makes a count doubtful: moves with no stand between them, stands in the air."""
     doubts = []
-    long = swing_s > min(_LONGEST_SWING_S, 2 * float(np.median(swing_s))) if len(swing_s) else []
-    if np.any(long):
+    limit = min(_LONGEST_SWING_S, 2 * float(np.median(swing_s))) if len(swing_s) else 0.0
+    long = swing_s > limit
+    if long.any():
         doubts.append(
-            f"{np.sum(long)} moves last too long for one step, up to {swing_s.max():.1f} s: if the "
-            "frame did not stand still between two steps, they count as one"
+            f"moves too long for one step: {long.sum()}, up to {swing_s.max():.1f} s; if the frame "
+            "did not stand still between two steps, they count as one"
         )
-    up = trajectory.rotation_body_to_world[trajectory.stationary][:, 2, 2]
-    aslant = float(np.mean(np.arccos(np.clip(up, -1, 1)) > _STANDING_TILT_RAD))
-    if aslant > 0.01:
+    lean = np.arccos(np.clip(trajectory.rotation_body_to_world[:, 2, 2], -1, 1))
+    usual = float(np.median(lean[trajectory.stationary]))
+    stands = runs_of(trajectory.stationary)
+    aslant = sum(float(np.median(lean[run])) > usual + _STANDING_TILT_RAD for run in stands)
+    if aslant:
         doubts.append(
-            f"{100 * aslant:.0f} % of the still samples lean by more than "
-            f"{np.rad2deg(_STANDING_TILT_RAD):.0f} deg: if the frame was in the air then, it moved "
-            "so slowly that it passed for still, and steps and path are too short"
+            f"stands that lean by {np.rad2deg(_STANDING_TILT_RAD):.0f} deg more than usual: "
+            f"{aslant} of {len(stands)}; if the frame was in the air then, it moved so slowly that "
+            "it passed for still: one step may count as two or none, and the path is too short"
         )
     return doubts
 
@@ -266,11 +270,12 @@ class WalkingSummary:
     ----------
     step_count : steps of the frame, turning ones too
     cadence_per_min : 1/min, of the frame: from each lift to the next, mean; with pauses
-    step_length_mean_m, step_length_cv : m and 1, over the steps that go somewhere; the short last
-        step before a corner counts too
-    swing_mean_s, swing_cv : s and 1, time that the frame is not on the floor; CV is sd over mean
+    step_length_mean_m, step_length_cv : m and 1, over the steps that do not turn; the short last
+        step before a corner counts too. CV is sd over mean
+    swing_mean_s, swing_cv : s and 1, time that the frame is not on the floor
     stance_mean_s, stance_cv : s and 1, time that it stands between two steps, when the user walks
-    path_m : m, along the placements, so that a loop counts in full
+    path_m : m, along the placements, so that a loop counts in full, and so does every placement
+        beside the straight line: a little longer than the course
     mean_speed_mps : m/s, that path from the first lift to the last placement, turns included
     turns : Turns
     """
@@ -319,7 +324,7 @@ def walking_summary(
         If there is no step.
     """
     _check(trajectory, steps)
-    going = steps.length_m[np.isfinite(steps.direction_rad)]
+    going = steps.length_m[np.abs(steps.turn_rad) < (settings or GaitSettings()).least_turn_rad]
     count = len(steps)
     between = steps.lift_s[-1] - steps.lift_s[0]
     path = float(steps.path_m[-1])
@@ -347,17 +352,18 @@ def _mean_and_cv(values: FloatArray) -> tuple[float, float]:
 
 
 def path_at(steps: Steps, time_s: float) -> float:
-    """Way along the placements at a time, m; within a step it grows evenly from lift to placement.
+    """Way along the placements at a time, m: even from the first lift and between placements.
+
+    The frame itself moves by jumps. Evenly in between is nearer to the user, who follows while it
+    stands, and keeps a line that lies near a placement from costing a whole stance.
 
     Parameters
     ----------
     steps : Steps, at least one
     time_s : s
     """
-    knots = np.column_stack([steps.lift_s, steps.place_s]).ravel()
-    path = steps.path_m
-    way = np.column_stack([np.r_[0.0, path[:-1]], path]).ravel()
-    return float(np.interp(time_s, knots, way))
+    knots = np.r_[steps.lift_s[0], steps.place_s]
+    return float(np.interp(time_s, knots, np.r_[0.0, steps.path_m]))
 
 
 def time_at(steps: Steps, path_m: float) -> float:
@@ -374,12 +380,12 @@ def time_at(steps: Steps, path_m: float) -> float:
         If the way is shorter.
     """
     path = steps.path_m
-    if path_m > path[-1]:
+    if path_m > path[-1] + _ROUNDING_M:
         raise InputError(f"the walk is {path[-1]:.2f} m long: shorter than {path_m:g} m")
-    k = int(np.searchsorted(path, path_m))
-    before = path[k - 1] if k else 0.0
-    share = (path_m - before) / (path[k] - before) if path[k] > before else 1.0
-    return float(steps.lift_s[k] + share * steps.swing_s[k])
+    knots, way = np.r_[steps.lift_s[0], steps.place_s], np.r_[0.0, path]
+    k = max(int(np.searchsorted(way, path_m - _ROUNDING_M)), 1)
+    share = (path_m - way[k - 1]) / (way[k] - way[k - 1])
+    return float(knots[k - 1] + np.clip(share, 0, 1) * (knots[k] - knots[k - 1]))
 
 
 @dataclass(frozen=True)
@@ -419,8 +425,9 @@ def ten_metre_walk(
 ) -> WalkTest:
     """Time over a stretch of the way, as in the 10-Metre Walk Test.
 
-    The middle of the rear tips passes the lines here, in a test the leading foot. Within the step
-    that crosses a line the way grows evenly from lift to placement.
+    The middle of the rear tips passes the lines here, in a test the leading foot. Between two
+    placements the way grows evenly, see :func:`path_at`; the frame itself, which stands first and
+    then jumps, passes a line up to two thirds of a step later.
 
     Parameters
     ----------
@@ -454,7 +461,8 @@ def ten_metre_walk(
 def six_minute_walk(trajectory: Trajectory, steps: Steps, duration_s: float = 360.0) -> WalkTest:
     """Distance walked in a time, as in the 6-Minute Walk Test: from the first lift on.
 
-    The step that is under way when the time is up counts in part, by its share of time.
+    What is under way when the time is up counts in part, by its share of the time between two
+    placements (:func:`path_at`); nothing of it if the recording ends before the second.
 
     Parameters
     ----------
