@@ -374,13 +374,13 @@ def sources() -> dict[str, Level]:
         "ringing after landing": frame(landing_ringing_mps2=REALISTIC.landing_ringing_mps2),
         "detector 0.08 rad/s, 0.5 m/s²": detector(0.08, 0.5),
         "detector 0.15 rad/s, 0.9 m/s²": detector(0.15, 0.9),
-        "no zero-rate update": navigation(zero_rate=False),
-        "eq. 24 as printed": navigation(dynamics="printed"),
-        "eq. 24 as printed, no zero-rate update": navigation(dynamics="printed", zero_rate=False),
-        "same, no gyroscope mean at the start": navigation(
+        "eq. 24 corrected, no zero-rate": navigation(zero_rate=False),
+        "eq. 24 printed": navigation(dynamics="printed"),
+        "eq. 24 printed, no zero-rate": navigation(dynamics="printed", zero_rate=False),
+        "eq. 24 printed, no zero-rate, no gyro mean": navigation(
             dynamics="printed", zero_rate=False, initial_gyr_mean=False
         ),
-        "corrected, no zero-rate update, no mean": navigation(
+        "eq. 24 corrected, no zero-rate, no gyro mean": navigation(
             zero_rate=False, initial_gyr_mean=False
         ),
     }

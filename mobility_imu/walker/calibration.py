@@ -665,8 +665,8 @@ def _with_sensor_errors(
 ) -> MountCalibration:
     """Add what errors of the sensor's scale and axes do, by calibrating with each of them.
 
-    No tilt shows them: an accelerometer whose axes differ in scale by 0.3 % moves the height by
-    a centimetre in all four tilts alike.
+    No tilt shows them: a forward axis of the accelerometer that reads 0.3 % too much moves the
+    height by 4 mm in the front and back tilts alike.
     """
     imu = recording.sensor("frame", gyroscope=True)
     place_var, turn_var = found.translation_sd_m**2, found.rotation_sd_rad**2

@@ -437,19 +437,19 @@ def run_filter(
     first = np.ascontiguousarray(covariance, float)
     _forward(acc, gyr, at_rest, doubt, seen, dt, noise, settings.zero_rate, sign, couple,
              np.cos(settings.upright_rad), first, states, packed, nis, dof, upright)  # fmt: skip
-    sd = np.empty((count + 1, 15))
+    variance = np.empty((count + 1, 15))
     if smooth:
         smoothed = np.empty_like(states)
         mu, big = np.zeros(15), np.zeros((15, 15))
         if closed_loop is not None:
             mu, big = _closing(states, packed[-1], closed_loop)
         _backward(acc, gyr, at_rest, upright, seen, dt, noise, settings.zero_rate, sign, couple,
-                  states, packed, mu, big, smoothed, sd)  # fmt: skip
+                  states, packed, mu, big, smoothed, variance)  # fmt: skip
         states = smoothed
     else:
         diagonal = [k * (k + 1) // 2 + k for k in range(15)]
-        sd = np.sqrt(np.maximum(packed[:, diagonal], 0))
-    return _at_samples(clock, states, sd, at_rest, nis, dof)
+        variance = np.maximum(packed[:, diagonal], 0)
+    return _at_samples(clock, states, variance, at_rest, nis, dof)
 
 
 def _closing(
@@ -571,14 +571,14 @@ def _split(x: FloatArray) -> NavigationState:
 def _at_samples(
     clock: FloatArray,
     states: FloatArray,
-    sd: FloatArray,
+    variance: FloatArray,
     still: NDArray[np.bool_],
     nis: FloatArray,
     dof: NDArray[np.int64],
 ) -> Navigation:
     """From the midpoints between the samples to the samples."""
     middle, spread = np.empty((len(clock), 16)), np.empty((len(clock), 15))
-    _between(states, sd, middle, spread)
+    _between(states, variance, middle, spread)
     quaternion = middle[:, 0:4]
     position, velocity, gyr_bias, acc_bias = (middle[:, k : k + 3] for k in (4, 7, 10, 13))
     return Navigation(
@@ -592,9 +592,11 @@ def _cross_matrix(v: FloatArray) -> FloatArray:
 
 # Compiled from here on. A state has 16 numbers: attitude, position, velocity, biases. The error
 # state has 15; position and velocity of both stand at other places, see STATES.
+# A product and the sum after it may be rounded once instead of twice ("contract"), nothing else.
+_compiled = njit(cache=True, fastmath={"contract"})
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _matrix(w, x, y, z, out):
     """Quaternion to matrix, IMU to world."""
     out[0, 0] = w * w + x * x - y * y - z * z
@@ -608,7 +610,7 @@ def _matrix(w, x, y, z, out):
     out[2, 2] = w * w - x * x - y * y + z * z
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _product(w0, w1, w2, w3, c, x, y, z):
     """Product of two quaternions."""
     return (
@@ -619,15 +621,20 @@ def _product(w0, w1, w2, w3, c, x, y, z):
     )
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _from_vector(v1, v2, v3):
     """Quaternion of a rotation vector."""
-    angle = np.sqrt(v1 * v1 + v2 * v2 + v3 * v3)
-    s = 0.5 - angle * angle / 48 if angle < 1e-4 else np.sin(angle / 2) / angle
-    return np.cos(angle / 2), s * v1, s * v2, s * v3
+    square = (v1 * v1 + v2 * v2 + v3 * v3) / 4
+    if square < 1e-3:  # the next terms are below rounding
+        c = 1 - square / 2 * (1 - square / 12 * (1 - square / 30 * (1 - square / 56)))
+        s = (1 - square / 6 * (1 - square / 20 * (1 - square / 42 * (1 - square / 72)))) / 2
+        return c, s * v1, s * v2, s * v3
+    half = np.sqrt(square)
+    s = np.sin(half) / (2 * half)
+    return np.cos(half), s * v1, s * v2, s * v3
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _advance(x, acc, gyr, dt, share, sign, couple, out, blocks):
     """State and blocks of the transition over one interval.
 
@@ -684,8 +691,8 @@ def _advance(x, acc, gyr, dt, share, sign, couple, out, blocks):
         vb[i, 2] = k / 2 * (c - a * p2 / 4 + b * p1 / 4)
 
 
-@njit(cache=True, fastmath={"contract"})
-def _between(states, sd, middle, spread):
+@_compiled
+def _between(states, variance, middle, spread):
     for k in range(len(middle)):
         for i in range(16):
             middle[k, i] = (states[k, i] + states[k + 1, i]) / 2
@@ -696,11 +703,10 @@ def _between(states, sd, middle, spread):
         for i in range(4):
             middle[k, i] /= length
         for i in range(15):
-            one, other = sd[k, i], sd[k + 1, i]
-            spread[k, i] = np.sqrt((one * one + other * other) / 2)
+            spread[k, i] = np.sqrt((variance[k, i] + variance[k + 1, i]) / 2)
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _integrate(acc, gyr, still, dt, states):
     blocks = np.empty((7, 3, 3))
     for k in range(len(acc)):
@@ -713,7 +719,7 @@ def _integrate(acc, gyr, still, dt, states):
 # does the compiler see that a row fits its registers. Six times faster than (15, 15) arrays.
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _rows(blocks, dt, p, out):
     """Transition times p."""
     for i in range(3):
@@ -737,7 +743,7 @@ def _rows(blocks, dt, p, out):
             out[192 + k + j] = p[192 + k + j]
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _rows_back(blocks, dt, p, out):
     """Transposed transition times p."""
     for i in range(3):
@@ -761,14 +767,14 @@ def _rows_back(blocks, dt, p, out):
             out[192 + k + j] = p[192 + k + j] + a0 * s0 + a1 * s1 + a2 * s2
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _transpose(p, out):
     for i in range(15):
         for j in range(15):
             out[16 * i + j] = p[16 * j + i]
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _product_rows(a, b, out, first, last):
     """Rows first to last of a times the matrix b; in short sums, which do not wait for another."""
     for k in range(16 * first, 16 * last, 16):
@@ -784,7 +790,7 @@ def _product_rows(a, b, out, first, last):
             )
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _correct(x, error):
     """Put an error into a state (eq. 22 turned round)."""
     m0, m1, m2, m3 = _product(x[0], x[1], x[2], x[3], 1.0, error[0], error[1], error[2])
@@ -797,7 +803,7 @@ def _correct(x, error):
         x[13 + i] += error[12 + i]
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _share(still, zero_rate, noise):
     """How much of a measured rate is motion, if a standing frame has a noise of its own.
 
@@ -810,7 +816,7 @@ def _share(still, zero_rate, noise):
     return 1.0
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _forward(
     acc, gyr, still, cut, seen, dt, noise, zero_rate, sign, couple, upright_cos, first,
     states, packed, nis, dof, upright,
@@ -823,7 +829,6 @@ def _forward(
     for i in range(15):
         for j in range(15):
             p[16 * i + j] = first[i, j]
-    _pack(p, packed[0])
     for k in range(len(acc)):
         h = dt[k]
         share = _share(still[k], zero_rate, noise)
@@ -831,6 +836,7 @@ def _forward(
         _advance(states[k], acc[k], gyr[k], h, share, sign, couple, x, blocks)
         _rows(blocks, h, p, work)
         _transpose(work, other)
+        _pack(p, packed[k])  # here, since what was just transposed cannot be read at once
         _rows(blocks, h, other, p)
         white = CUT_ACC_SD_MPS2**2 * h if cut[k] else noise[1]
         for i in range(3):
@@ -863,10 +869,10 @@ def _forward(
                 dof[k] += 1
                 _observe(p, at, 1 / total, residual, column, error)
             _correct(x, error)
-        _pack(p, packed[k + 1])
+    _pack(p, packed[len(acc)])
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _observe(p, at, inverse, residual, column, error):
     """Covariance and error after one state has been observed."""
     for j in range(16):
@@ -885,7 +891,7 @@ def _observe(p, at, inverse, residual, column, error):
             p[k + 64 + j] -= g4 * column[j]
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _pack(p, packed):
     """Lower triangle, row by row."""
     at = 0
@@ -895,7 +901,7 @@ def _pack(p, packed):
         at += i + 1
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _unpack(packed, p):
     at = 0
     for i in range(15):
@@ -905,10 +911,10 @@ def _unpack(packed, p):
         at += i + 1
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _backward(
     acc, gyr, still, upright, seen, dt, noise, zero_rate, sign, couple,
-    states, packed, mu_last, big_last, smoothed, sd,
+    states, packed, mu_last, big_last, smoothed, smoothed_var,
 ):  # fmt: skip
     """Adjoint recursion: mu and big hold what later updates say of the state and how surely.
 
@@ -925,8 +931,8 @@ def _backward(
         mu[i] = mu_last[i]
         for j in range(15):
             big[16 * i + j] = big_last[i, j]
+    _unpack(packed[len(acc)], p)
     for k in range(len(acc), -1, -1):
-        _unpack(packed[k], p)
         _product_rows(mu, p, error, 0, 1)
         x = smoothed[k]
         x[:] = states[k]
@@ -938,7 +944,7 @@ def _backward(
             for j in range(16):
                 variance[j] -= p[16 * i + j] * known[16 * i + j]
         for j in range(15):
-            sd[k, j] = np.sqrt(max(variance[j], 0.0))
+            smoothed_var[k, j] = max(variance[j], 0.0)
         if k == 0:
             break
         s, h = k - 1, dt[k - 1]
@@ -974,12 +980,13 @@ def _backward(
         _advance(states[s], acc[s], gyr[s], h, share, sign, couple, after, blocks)
         _rows_back(blocks, h, big, work)
         _transpose(work, other)
+        _unpack(packed[k - 1], p)  # here, as in _forward
         _rows_back(blocks, h, other, big)
         was[:] = mu
         _vector_back(blocks, h, was, mu)
 
 
-@njit(cache=True, fastmath={"contract"})
+@_compiled
 def _vector_back(blocks, dt, v, out):
     """Transposed transition times a vector."""
     qq, qb, vq, vb, va = blocks[0], blocks[1], blocks[2], blocks[3], blocks[4]
