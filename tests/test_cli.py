@@ -12,6 +12,7 @@ import pytest
 from mobility_imu.data import recordings_folder
 
 COURT = recordings_folder() / "wheelchair_court"
+CORRIDOR = recordings_folder() / "walker_corridor"
 SCOOTER_TOML = "[scooter]\nsteering_inclination_deg = 20.0\nlever_inclination_deg = 9.0\n"
 
 
@@ -271,18 +272,103 @@ def test_wheelchair_bad_input(tmp_path):
     fails(tmp_path, "wheelchair", "tasks", *figure, says=["no such folder"])
 
 
-def test_simulation_repeats_and_is_what_is_bundled(tmp_path):
+@pytest.mark.parametrize(("device", "folder"), [("wheelchair", COURT), ("walker", CORRIDOR)])
+def test_simulation_repeats_and_is_what_is_bundled(tmp_path, device, folder):
     for name in ("one", "two"):
-        result = run("simulate", "wheelchair", "--seed", 1, "-o", tmp_path / name, cwd=tmp_path)
+        result = run("simulate", device, "--seed", 1, "-o", tmp_path / name, cwd=tmp_path)
         assert result.returncode == 0, result.stderr
     files = sorted(path.name for path in (tmp_path / "one").iterdir())
-    assert files == sorted(path.name for path in COURT.iterdir())
+    assert files == sorted(path.name for path in folder.iterdir())
     for name in files:
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
         if name.endswith(".csv.gz"):
             # Other builds of numpy may differ in the last printed digit.
-            made, bundled = (pd.read_csv(f / name) for f in (tmp_path / "one", COURT))
+            made, bundled = (pd.read_csv(f / name) for f in (tmp_path / "one", folder))
             assert np.allclose(made, bundled, atol=2e-6)
+
+
+def calibrate(**options):
+    files = {"tilts": CORRIDOR / "tilts.csv.gz", "geometry": CORRIDOR / "geometry.toml"} | options
+    return ["walker", "calibrate", files["tilts"], "--geometry", files["geometry"], "-o", "m.toml"]
+
+
+def trajectory(**options):
+    files = {"walk": CORRIDOR / "walk.csv.gz", "mount": "m.toml"} | options
+    return ["walker", "trajectory", files["walk"], "--geometry", files["mount"], "-o", "path.csv"]
+
+
+@pytest.mark.parametrize("method", ["four-tilts", "two-tilts", "all-samples"])
+def test_walker_from_tilts_to_a_path(tmp_path, method):
+    """Mount within 10 cm (the paper's method) or 3 cm (whole arcs), path within 2 % of 10 m."""
+    from mobility_imu.walker import WalkerGeometry, WalkerMount
+
+    result = run(*calibrate(), "--method", method, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    found, true = (
+        WalkerMount.from_toml(f) for f in (tmp_path / "m.toml", CORRIDOR / "true_mount.toml")
+    )
+    off = np.linalg.norm(found.translation_body_m - true.translation_body_m)
+    assert off < (0.03 if method == "all-samples" else 0.1)
+    assert WalkerGeometry.from_toml(tmp_path / "m.toml") == WalkerGeometry.from_toml(
+        CORRIDOR / "geometry.toml"
+    )
+    assert ("sd in mm" in (tmp_path / "m.toml").read_text()) == (method == "all-samples")
+    result = run(*trajectory(), "--steps", "steps.csv", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    path = pd.read_csv(tmp_path / "path.csv")
+    truth = pd.read_csv(CORRIDOR / "truth.csv.gz")
+    assert list(path) == ["time_s", "x_m", "y_m", "z_m", "yaw_deg", "stationary"]
+    end = path[["x_m", "y_m"]].iloc[-1] - truth[["x_m", "y_m"]].iloc[-1]
+    assert np.hypot(*end) < 0.2
+    assert len(pd.read_csv(tmp_path / "steps.csv")) == 29
+
+
+def test_walker_options(tmp_path):
+    assert run(*calibrate(), "--no-smooth", "--form", "printed", cwd=tmp_path).returncode == 0
+    for options in (["--no-smooth"], ["--closed-loop"]):
+        assert run(*trajectory(), *options, cwd=tmp_path).returncode == 0
+    (tmp_path / "path.csv").unlink()
+    both = ["--no-smooth", "--closed-loop"]
+    fails(tmp_path, *trajectory(), *both, says=["--closed-loop needs the smoother"])
+    swapped = run(*calibrate(), "--order", "right,front,left,back", cwd=tmp_path)
+    assert swapped.returncode == 0 and "other way round" in swapped.stderr
+
+
+def test_walker_bad_input(tmp_path):
+    tilts = pd.read_csv(CORRIDOR / "tilts.csv.gz")
+
+    def saved(table, name="t.csv"):
+        table.to_csv(tmp_path / name, index=False)
+        return name
+
+    cut = tilts[tilts["time_s"] < 5.0]  # in the hold of the first tilt
+    fails(tmp_path, *calibrate(tilts=saved(cut)), says=["t.csv", "before the recording ends"])
+    half = saved(tilts[tilts["time_s"] < 15.0])
+    options = ["--method", "four-tilts"]
+    fails(tmp_path, *calibrate(tilts=half), *options, says=["missing: ", "left"])
+    gap = saved(tilts.drop(index=range(500, 540)))
+    fails(tmp_path, *calibrate(tilts=gap), says=["gap of 0.41 s"])
+    in_g = tilts.copy()
+    in_g[[f"frame_acc_{k}_mps2" for k in "xyz"]] /= 9.80665
+    fails(tmp_path, *calibrate(tilts=saved(in_g)), says=["looks like g"])
+    shaken = tilts.copy()
+    shaken["frame_gyr_x_radps"] += 0.4 * np.sin(50 * shaken["time_s"])
+    fails(tmp_path, *calibrate(tilts=saved(shaken)), says=["not still within the first 5 s"])
+    fails(tmp_path, *calibrate(), "--order", "up,down", says=["order = up, down"])
+    renamed = tilts.rename(columns=lambda name: name.replace("frame", "lever"))
+    fails(tmp_path, *calibrate(tilts=saved(renamed)), says=["no sensor 'frame'", "lever"])
+    fails(tmp_path, *trajectory(mount=CORRIDOR / "geometry.toml"), says=["[walker.mount]"])
+    (tmp_path / "cm.toml").write_text("[walker]\nfootprint_width_m = 60\nfootprint_length_m = 52\n")
+    fails(tmp_path, *calibrate(geometry="cm.toml"), says=["footprint_width_m", "in cm?"])
+    text = (CORRIDOR / "true_mount.toml").read_text().replace("0.987", "0.687")
+    (tmp_path / "m.toml").write_text(text)
+    fails(tmp_path, *trajectory(), says=["m.toml", "not a rotation"])
+    flat = pd.read_csv(CORRIDOR / "walk.csv.gz")
+    missing = ["--steps", "none/steps.csv"]
+    mount = CORRIDOR / "true_mount.toml"
+    fails(tmp_path, *trajectory(mount=mount), *missing, says=["no such folder"])
+    flat.loc[4000, "frame_gyr_z_radps"] = np.nan
+    fails(tmp_path, *trajectory(walk=saved(flat), mount=mount), says=["frame_gyr_z", "nan"])
 
 
 def test_reproduce_on_the_terminal_and_as_json(tmp_path):

@@ -375,6 +375,18 @@ def test_filter_is_consistent_at_stated_noise(zero_rate):
         assert ((low < squares) & (squares < high)).all(), (squares, low, high)
 
 
+def test_smoothing_never_adds_doubt_over_a_long_walk():
+    """Over five minutes the smoothed standard deviations stay below the filter's.
+
+    The expanded form of the adjoint's covariance lets an unsymmetric part grow unless it is
+    taken out; 1e-6 is left for rounding.
+    """
+    time, acc, gyr, still = wobbling(300)
+    forward, both = (navigate(time, acc, gyr, still, smooth=s) for s in (False, True))
+    assert (both.sd <= forward.sd * (1 + 1e-6) + 1e-9).all()
+    assert (both.sd[:, 6:9].max(axis=0) < 10).all()
+
+
 def test_one_hour_in_bounded_memory():
     """An hour at 100 Hz, smoothed: less than 1 GB at its peak, interpreter and numba included."""
     code = """

@@ -982,6 +982,12 @@ def _backward(
         _transpose(work, other)
         _unpack(packed[k - 1], p)  # here, as in _forward
         _rows_back(blocks, h, other, big)
+        # Rounding makes big a little unsymmetric; the updates would let that grow without bound.
+        for i in range(15):
+            for j in range(i):
+                mean = (big[16 * i + j] + big[16 * j + i]) / 2
+                big[16 * i + j] = mean
+                big[16 * j + i] = mean
         was[:] = mu
         _vector_back(blocks, h, was, mu)
 
