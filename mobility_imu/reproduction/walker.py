@@ -19,7 +19,7 @@ from mobility_imu.walker.geometry import WalkerMount
 POSES = ("1", "2", "3", "4", "5")
 ROUNDING = "one unit of the last printed digit"
 PRINT_DEFECT = 0.0015
-"""Largest abs(C C' - I) that the print alone explains: rows fall up to 0.0005 short of length 1."""
+"""Largest abs(C C' - I) that the print alone explains, rows being up to 0.0005 short of 1."""
 CLOSING_COLUMN = {3: "distance", 4: "position"}
 """Header of the closing error's length in Tables 3 and 4 (the second is misprinted)."""
 

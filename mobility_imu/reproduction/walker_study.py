@@ -49,8 +49,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 FOOTPRINT = WalkerGeometry(footprint_width_m=0.60, footprint_length_m=0.52)
-"""Footprint of the simulated frame, an assumption: the paper gives none, standard frames have it,
-and the positions of Table 1 fit into it."""
+"""Footprint of the simulated frame. That is an assumption; the paper gives none, standard frames
+have it, and the positions of Table 1 fit into it."""
 
 _DEG = float(np.deg2rad(1))
 
@@ -218,7 +218,8 @@ def walking_study(
     smooth : whether to smooth
     poses : mountings of Table 1
     positions : what :func:`calibration_study` found, to place the frame with them as well
-    closed_loop : constraint for the smoother, see :class:`ClosedLoop`
+    closed_loop : constraint for the smoother, see
+        :class:`mobility_imu.walker.navigation.ClosedLoop`
     executor : anything with ``submit``; None works in this process
 
     Returns

@@ -205,10 +205,10 @@ class Leg:
 
 
 CORRIDOR = (Leg(10.0),)
-"""The paper's first experiment (section 3): 10 m straight."""
+"""The paper's first experiment (section 3), 10 m straight."""
 
 RECTANGLE = tuple(Leg(length, np.pi / 2) for length in (5.0, 3.75, 5.0, 3.75))
-"""The paper's second: 5 m by 3.75 m, here to the left, the last corner turned as well."""
+"""The paper's second, 5 m by 3.75 m, here to the left, the last corner turned as well."""
 
 TIMED_UP_AND_GO = (Leg(3.0, np.pi), Leg(3.0, np.pi))
 """Walking and turns of a Timed-Up and Go Test; the chair is not part of it."""

@@ -38,7 +38,7 @@ Method = Literal["four-tilts", "two-tilts", "all-samples"]
 Form = Literal["corrected", "printed"]
 
 LEAST_TILT_RAD = float(np.deg2rad(10))
-"""A tilt of less says little: the error of a distance grows as one over the angle."""
+"""A tilt of less says little. The error of a distance grows as one over the angle."""
 LATEST_REST_S = 5.0
 SCALE_SD = 0.003
 MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))

@@ -93,7 +93,7 @@ class Steps:
 
     @property
     def path_m(self) -> FloatArray:
-        """Way along the placements up to each one, m, (k,): not the distance from the start."""
+        """Way in m along the placements up to each one; it is not the distance from the start."""
         legs = np.diff(np.vstack([self.start_m, self.place_m]), axis=0)
         return np.asarray(np.cumsum(np.linalg.norm(legs, axis=1)))
 
@@ -520,7 +520,7 @@ class TimedUpAndGo:
 
     @property
     def duration_s(self) -> float:
-        """Time from first lift to last placement, s: without standing up and sitting down."""
+        """Time in s from first lift to last placement, without standing up and sitting down."""
         return float(self.boundary_s[-1] - self.boundary_s[0])
 
     def to_frame(self) -> pd.DataFrame:

@@ -23,9 +23,9 @@ from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_series, as
 from mobility_imu.walker.geometry import rotation_world_to_imu
 
 STATES = ("attitude", "gyr_bias", "position", "velocity", "acc_bias")
-"""Order of the error state, three components each: eq. 23."""
+"""Order of the error state (eq. 23), each with three components."""
 GRAVITY_MPS2 = np.array([0.0, 0.0, STANDARD_GRAVITY_MPS2])
-"""The vector g of eq. 21: it must point up, or a resting accelerometer would read downward."""
+"""The vector g of eq. 21. It must point up, or a resting accelerometer would read downward."""
 
 _DEG = float(np.deg2rad(1))
 # Where the sensor was cut off, this much noise (m/s² per sample) says that nothing is known.
