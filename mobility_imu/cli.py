@@ -38,11 +38,20 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # [walker] in a help text is a section's name, not a style
 )
-scooter_app = typer.Typer(no_args_is_help=True, help="Mobility scooter: steering and throttle.")
-wheelchair_app = typer.Typer(no_args_is_help=True, help="Manual wheelchair: velocities and tasks.")
-walker_app = typer.Typer(no_args_is_help=True, help="Walking frame: mount of the IMU, and path.")
-simulate_app = typer.Typer(no_args_is_help=True, help="Recordings with known truth.")
+scooter_app = typer.Typer(
+    no_args_is_help=True, rich_markup_mode=None, help="Mobility scooter: steering and throttle."
+)
+wheelchair_app = typer.Typer(
+    no_args_is_help=True, rich_markup_mode=None, help="Manual wheelchair: velocities and tasks."
+)
+walker_app = typer.Typer(
+    no_args_is_help=True, rich_markup_mode=None, help="Walking frame: mount of the IMU, and path."
+)
+simulate_app = typer.Typer(
+    no_args_is_help=True, rich_markup_mode=None, help="Recordings with known truth."
+)
 app.add_typer(scooter_app, name="scooter")
 app.add_typer(wheelchair_app, name="wheelchair")
 app.add_typer(walker_app, name="walker")
@@ -559,7 +568,7 @@ def walker_calibrate(
         TiltForm, typer.Option(help="The paper's methods: corrected, or as printed.")
     ] = TiltForm.corrected,
     order: Annotated[
-        str, typer.Option(help="Tilts as they were made; only the first has to be right.")
+        str, typer.Option(help="Tilts as they were made; some may be missing in the recording.")
     ] = "front,back,right,left",
     smooth: Annotated[
         bool, typer.Option("--smooth/--no-smooth", help="Smooth the path, or filter only.")
@@ -601,9 +610,9 @@ def walker_calibrate(
         + ", ".join(f"{t.direction} {np.rad2deg(t.angle_rad):.0f} deg" for t in found.tilts),
     ]
     if np.isfinite(found.translation_sd_m).all():
-        place_sd = ", ".join(f"{1000 * value:.1f}" for value in found.translation_sd_m)
-        turn_sd = ", ".join(f"{value:.2f}" for value in np.rad2deg(found.rotation_sd_rad))
-        lines += [f"# sd in mm along x, y, z: {place_sd}", f"# sd in deg about x, y, z: {turn_sd}"]
+        place_sd = [round(float(value), 5) for value in found.translation_sd_m]
+        turn_sd = [round(float(value), 5) for value in found.rotation_sd_rad]
+        lines += [f"translation_sd_m = {place_sd}", f"rotation_sd_rad = {turn_sd}"]
     lines += [f"rotation_imu_to_body = {rotation}", f"translation_body_m = {place}"]
     with _new_file(output) as unfinished:
         unfinished.write_text("\n".join(lines) + "\n")
@@ -642,17 +651,23 @@ def walker_trajectory(
     if closed_loop and not smooth:
         raise InputError("--closed-loop needs the smoother: it cannot be had with --no-smooth")
     mount = WalkerMount.from_toml(geometry)
-    found = estimate_trajectory(
-        read_recording(walk, fill_gaps_s=fill_gaps_s),
-        mount,
-        smooth=smooth,
-        closed_loop=ClosedLoop() if closed_loop else None,
-    )
-    for said in found.warnings:
+    try:
+        found = estimate_trajectory(
+            read_recording(walk, fill_gaps_s=fill_gaps_s),
+            mount,
+            smooth=smooth,
+            closed_loop=ClosedLoop() if closed_loop else None,
+        )
+    except InputError as error:
+        raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
+    placed = find_steps(found)
+    for said in (*found.warnings, *placed.warnings):
         warnings.warn(said, stacklevel=1)
+    if not len(placed):
+        warnings.warn(f"{walk}: no step found: is it a walk?", stacklevel=1)
     tables = {output: found.to_frame()}
     if steps is not None:
-        tables[steps] = find_steps(found).to_frame()
+        tables[steps] = placed.to_frame()
     _write_tables(tables)
 
 

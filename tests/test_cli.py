@@ -312,7 +312,7 @@ def test_walker_from_tilts_to_a_path(tmp_path, method):
     assert WalkerGeometry.from_toml(tmp_path / "m.toml") == WalkerGeometry.from_toml(
         CORRIDOR / "geometry.toml"
     )
-    assert ("sd in mm" in (tmp_path / "m.toml").read_text()) == (method == "all-samples")
+    assert ("translation_sd_m" in (tmp_path / "m.toml").read_text()) == (method == "all-samples")
     result = run(*trajectory(), "--steps", "steps.csv", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     path = pd.read_csv(tmp_path / "path.csv")
@@ -328,6 +328,11 @@ def test_walker_options(tmp_path):
     for options in (["--no-smooth"], ["--closed-loop"]):
         assert run(*trajectory(), *options, cwd=tmp_path).returncode == 0
     (tmp_path / "path.csv").unlink()
+    tilts = run(*trajectory(walk=CORRIDOR / "tilts.csv.gz"), cwd=tmp_path)
+    assert tilts.returncode == 0 and "no step found" in tilts.stderr
+    (tmp_path / "path.csv").unlink()
+    shown = run("walker", "calibrate", "--help", cwd=tmp_path)
+    assert "[walker]" in shown.stdout
     both = ["--no-smooth", "--closed-loop"]
     fails(tmp_path, *trajectory(), *both, says=["--closed-loop needs the smoother"])
     swapped = run(*calibrate(), "--order", "right,front,left,back", cwd=tmp_path)

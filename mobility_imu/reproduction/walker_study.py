@@ -303,7 +303,7 @@ def _walk_errors(
     turned = yaw[-1] - np.arctan2(forward[1], forward[0])
     # The last moment at rest before the walk's last turn, if it turns.
     turning = [step.lift_s for step in run.steps if abs(step.turn_rad) > 0.1]
-    last = max((t for t in turning if t - 10 not in turning), default=None)
+    last = max(turning, default=None)
     corner = np.nan
     if last is not None:
         final = [t for t in turning if last - t < 15]
@@ -372,7 +372,10 @@ def sources() -> dict[str, Level]:
         "creep 10 mm per step": frame(creep_sd_m=0.010),
         "landing at 0.02 m/s": frame(landing_mps=0.02),
         "landing at 0.10 m/s": frame(landing_mps=0.10),
-        "ringing after landing": frame(landing_ringing_mps2=REALISTIC.landing_ringing_mps2),
+        "ringing 1 m/s² after landing": frame(landing_ringing_mps2=1.0),
+        "ringing 4 m/s² after landing": frame(landing_ringing_mps2=4.0),
+        "placement 3 cm": frame(placement_sd_m=0.03),
+        "placement 10 cm": frame(placement_sd_m=0.10),
         "detector 0.08 rad/s, 0.5 m/s²": detector(0.08, 0.5),
         "detector 0.15 rad/s, 0.9 m/s²": detector(0.15, 0.9),
         "eq. 24 corrected, no zero-rate": navigation(zero_rate=False),

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_vectors
-from mobility_imu.recording import Imu, Recording, saturated_samples
+from mobility_imu.recording import Imu, Recording, frozen_samples, saturated_samples
 from mobility_imu.walker.geometry import (
     TILT_DIRECTIONS,
     TiltDirection,
@@ -40,13 +40,16 @@ Form = Literal["corrected", "printed"]
 LEAST_TILT_RAD = float(np.deg2rad(10))
 """A tilt of less says little. The error of a distance grows as one over the angle."""
 LATEST_REST_S = 5.0
+LEAST_RATE_HZ = 10.0
+MOST_NIS = 2.0
 SCALE_SD = 0.003
 MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))
 """Errors of the sensor's scale and axes that we take for granted; no tilt shows them."""
 _NOTICED_RAD = float(np.deg2rad(3))
 _UPRIGHT_RAD = float(np.deg2rad(2))
-# Which way each tilt goes, as an angle about the vertical from straight ahead.
-_AZIMUTH_RAD = {"front": 0.0, "left": np.pi / 2, "back": np.pi, "right": -np.pi / 2}
+_DIRECTED_RAD = float(np.deg2rad(5))
+# Directions around the frame, a quarter turn to the left from one to the next.
+_AROUND: tuple[TiltDirection, ...] = ("front", "left", "back", "right")
 
 
 # Equations of the paper, in their order.
@@ -438,8 +441,8 @@ def find_tilts(
 ) -> tuple[tuple[Tilt, ...], tuple[str, ...]]:
     """Find the tilts in a path, and which way each went.
 
-    The edges form a rectangle, so that the directions follow from the first one's; which edge that
-    was, no recording can tell: it is taken from the order of the procedure.
+    The edges form a rectangle, so that the directions follow from one of them; which edge that was,
+    no recording can tell. The stated order decides, also if some of its tilts are missing.
 
     Parameters
     ----------
@@ -453,7 +456,7 @@ def find_tilts(
     Raises
     ------
     InputError
-        If no tilt is found, or one goes across a corner.
+        If no tilt is found, one goes across a corner, or the order leaves open which they were.
     """
     unknown = [name for name in order if name not in TILT_DIRECTIONS]
     if unknown or not order:
@@ -465,60 +468,98 @@ def find_tilts(
     first = int(np.argmax(navigation.still))
     up = attitude[first, 2]
     lean = np.arccos(np.clip(attitude[:, 2] @ up, -1, 1))
-    warnings: list[str] = []
-    found: list[tuple[slice, int, float, FloatArray]] = []
     rest = navigation.still & (lean < _UPRIGHT_RAD)
+    warnings: list[str] = []
+    small: list[str] = []
+    # Movements whose direction is clear take part in naming, also those that cannot be used.
+    ways: list[FloatArray] = []
+    usable: list[tuple[slice, int, float] | None] = []
+    starts: list[str] = []
     for span in runs_of(lean > _NOTICED_RAD):
         top = _end_of_movement(lean, navigation.still, span)
         angle, when = float(lean[top]), f"the tilt at {time_s[span.start]:.1f} s"
         before = np.nonzero(rest[: span.start])[0]
         after = np.nonzero(rest[span.stop :])[0]
+        whole = None
         if not len(before):
             warnings.append(f"{when} has no still phase before it: left out")
-            continue
-        if angle < LEAST_TILT_RAD:
-            warnings.append(
+        elif angle < LEAST_TILT_RAD:
+            small.append(
                 f"{when} reaches only {np.rad2deg(angle):.1f} deg: left out (expected 20 to 45 deg)"
             )
-            continue
-        if not len(after):
+        elif not len(after):
             warnings.append(f"{when} does not come back before the recording ends: left out")
-            continue
-        whole = slice(int(before[-1]), span.stop + int(after[0]) + 1)
-        turn = Rotation.from_matrix(attitude[whole.start].T @ attitude[top]).as_rotvec()
-        found.append((whole, top, angle, np.cross(turn / np.linalg.norm(turn), up)))
-    if not found:
+        else:
+            whole = slice(int(before[-1]), span.stop + int(after[0]) + 1)
+        if angle > _DIRECTED_RAD:
+            # Up, as the tilted IMU sees it, lies against the way that the top went.
+            way = np.cos(angle) * up - attitude[top, 2]
+            ways.append(way / np.linalg.norm(way))
+            usable.append(None if whole is None else (whole, top, angle))
+            starts.append(when)
+    if len(small) > 3:
+        small = [small[0], f"{len(small) - 1} more movements stay that small: is this a walk?"]
+    warnings += small
+    if not any(usable):
         said = f" ({'; '.join(warnings)})" if warnings else ""
         raise InputError(
             "no tilt found: expected rest on all four tips, then tilts of 20 to 45 deg with rest "
             f"between them{said}"
         )
-    # Directions that the top moves in, as angles about the vertical from the first one's.
-    ahead = found[0][3] - (found[0][3] @ up) * up
-    azimuths = [
-        float(np.arctan2(np.cross(ahead, way) @ up, ahead @ way)) + _AZIMUTH_RAD[order[0]]
-        for *_, way in found
-    ]
-    tilts = []
-    for (span, top, angle, _), azimuth in zip(found, azimuths, strict=True):
-        apart = {
-            name: abs(float(np.angle(np.exp(1j * (azimuth - at)))))
-            for name, at in _AZIMUTH_RAD.items()
-        }
-        name = min(apart, key=lambda key: apart[key])
-        if apart[name] > np.deg2rad(25):
+    names, said_of_order = _name_tilts(ways, usable, starts, up, order)
+    tilts = tuple(
+        Tilt(name, *found) for name, found in zip(names, usable, strict=True) if found is not None
+    )
+    return tilts, (*warnings, *said_of_order)
+
+
+def _name_tilts(
+    ways: Sequence[FloatArray],
+    usable: Sequence[tuple[slice, int, float] | None],
+    starts: Sequence[str],
+    up: FloatArray,
+    order: Sequence[TiltDirection],
+) -> tuple[list[TiltDirection], list[str]]:
+    """Name movements by their directions, so that they follow the stated order as far as they can.
+
+    Seen from the first movement the directions are known in quarter turns; which edge the first
+    was decides for all. Movements may be missing from the order.
+    """
+    turns = [float(np.arctan2(np.cross(ways[0], way) @ up, ways[0] @ way)) for way in ways]
+    quarters = [round(turn / (np.pi / 2)) for turn in turns]
+    for turn, quarter, found, when in zip(turns, quarters, usable, starts, strict=True):
+        off = abs(np.rad2deg(turn) - 90 * quarter)
+        if found is not None and off > 25:
             raise InputError(
-                f"the tilt at {time_s[span.start]:.1f} s goes {np.rad2deg(apart[name]):.0f} deg "
-                f"off the direction '{name}': expected tilts about the edges, at right angles"
+                f"{when} goes {off:.0f} deg off a right angle to the first: expected tilts about "
+                "the edges"
             )
-        tilts.append(Tilt(name, span, top, angle))  # type: ignore[arg-type]
-    names = [tilt.direction for tilt in tilts]
-    if names != list(order[: len(names)]) or len(names) != len(order):
-        warnings.append(
-            f"the tilts went {', '.join(names)} (if the first was to the {order[0]}), not "
-            f"{', '.join(order)}: taken as found"
+    candidates: list[list[TiltDirection]] = []
+    for start in range(4):
+        names = [_AROUND[(start + quarter) % 4] for quarter in quarters]
+        rest = iter(order)
+        distinct = [name for k, name in enumerate(names) if k == 0 or name != names[k - 1]]
+        if all(name in rest for name in distinct):
+            candidates.append(names)
+    if len(candidates) > 1:
+        options = " or ".join(", ".join(names) for names in candidates)
+        raise InputError(
+            f"the tilts may have gone {options}: state which ones were made, and in which order"
         )
-    return tuple(tilts), tuple(warnings)
+    if candidates:
+        missing = [name for name in order if name not in candidates[0]]
+        return candidates[0], [f"no tilt to the {', '.join(missing)} found"] if missing else []
+    start = _AROUND.index(order[0])
+    names = [_AROUND[(start + quarter) % 4] for quarter in quarters]
+    mirrored = {"right": "left", "left": "right"}
+    hint = ""
+    if [mirrored.get(name, name) for name in names] == list(order):
+        hint = "; or has the accelerometer's sign been reversed?"
+    return names, [
+        f"the tilts went {', '.join(names)} if the first was to the {order[0]}, and not "
+        f"{', '.join(order)}: taken as such. If the first was another one, the mount is turned "
+        f"by a quarter or half a turn{hint}"
+    ]
 
 
 def _end_of_movement(lean: FloatArray, still: NDArray[np.bool_], span: slice) -> int:
@@ -555,6 +596,11 @@ def navigate_recording(
     """
     imu = recording.sensor("frame", gyroscope=True)
     gyr = np.asarray(imu.gyr_radps)
+    if not LEAST_RATE_HZ <= recording.sampling_rate_hz:
+        raise InputError(
+            f"{recording.source}: {recording.sampling_rate_hz:g} samples per second, expected "
+            f"{LEAST_RATE_HZ:g} or more (is time_s in ms?)"
+        )
     still = find_stillness(imu.acc_mps2, gyr, recording.sampling_rate_hz, stillness)
     cut_acc, cut_gyr = saturated_samples(imu.acc_mps2), saturated_samples(gyr)
     # A sensor that seldom moves repeats its largest value by rounding; a range ends far out.
@@ -567,6 +613,12 @@ def navigate_recording(
         for name, cut in (("acc", cut_acc), ("gyr", cut_gyr))
         if cut.any()
     ]
+    frozen = frozen_samples(np.hstack([imu.acc_mps2, gyr]), recording.sampling_rate_hz)
+    if frozen.any():
+        warnings.append(
+            f"{recording.source}: the readings repeat themselves in {int(frozen.sum())} samples, "
+            f"first at {recording.time_s[np.argmax(frozen)]:g} s: was the sensor frozen?"
+        )
     # Where up is comes from the first rest; what lies before it cannot be followed.
     begin = int(np.argmax(still))
     late_s = float(recording.time_s[begin] - recording.time_s[0])
@@ -574,6 +626,7 @@ def navigate_recording(
         raise InputError(
             f"{recording.source}: the frame is not still within the first {LATEST_REST_S:g} s: "
             "expected some seconds of rest at the start, which say where up is"
+            + _why_not_still(imu.acc_mps2, gyr, recording.sampling_rate_hz, stillness)
         )
     if late_s > 0.2:
         warnings.append(
@@ -593,7 +646,26 @@ def navigate_recording(
         )
     except InputError as error:
         raise InputError(f"{recording.source}: {error}") from None
+    updates = int(path.nis_dof.sum())
+    if updates and path.nis.sum() > MOST_NIS * updates:
+        excess = np.sqrt(path.nis.sum() / updates)
+        warnings.append(
+            f"{recording.source}: the rests are {excess:.1f} times as far from what the filter "
+            "expects as they should be: are axes exchanged, or signs reversed?"
+        )
     return path, tuple(warnings)
+
+
+def _why_not_still(
+    acc: FloatArray, gyr: FloatArray, rate_hz: float, settings: StillnessSettings | None
+) -> str:
+    """Guess at the gyroscope's unit if the accelerometer alone finds the frame at rest."""
+    soon = slice(0, int(LATEST_REST_S * rate_hz))
+    quiet = find_stillness(acc[soon], np.zeros_like(gyr[soon]), rate_hz, settings)
+    fast = float(np.median(np.abs(gyr[soon][quiet]).max(axis=1))) if quiet.any() else 0.0
+    if quiet.mean() > 0.2 and fast > 0.02:
+        return f" (the force is at rest, the rate is {fast:.2g}: is the gyroscope in deg/s?)"
+    return ""
 
 
 def calibrate_mount(
@@ -684,7 +756,9 @@ def _with_sensor_errors(
                 )
                 turn = other.rotation_imu_to_body @ found.mount.rotation_imu_to_body.T
                 turn_var = turn_var + Rotation.from_matrix(turn).as_rotvec() ** 2
-    return replace(found, translation_sd_m=np.sqrt(place_var), rotation_sd_rad=np.sqrt(turn_var))
+    place_sd, turn_sd = np.sqrt(place_var), np.sqrt(turn_var)
+    mount = replace(found.mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
+    return replace(found, mount=mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
 
 
 def calibrate_from_path(

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.geometry import read_arrays, read_section
+from mobility_imu.readers.geometry import find_table, read_arrays, read_section
 
 TiltDirection = Literal["front", "back", "right", "left"]
 TILT_DIRECTIONS: tuple[TiltDirection, ...] = ("front", "back", "right", "left")
@@ -110,6 +110,8 @@ class WalkerMount:
     ----------
     rotation_imu_to_body : (3, 3) array, turns components in the IMU's axes into the body's
     translation_body_m : (3,) array, m, position of the IMU in the body frame
+    rotation_sd_rad : (3,) array, rad, sd about the body's axes; None if it is not known
+    translation_sd_m : (3,) array, m, sd of the position; None if it is not known
 
     Raises
     ------
@@ -119,6 +121,8 @@ class WalkerMount:
 
     rotation_imu_to_body: FloatArray
     translation_body_m: FloatArray
+    rotation_sd_rad: FloatArray | None = None
+    translation_sd_m: FloatArray | None = None
 
     def __post_init__(self) -> None:
         """Refuse what is no rotation, or no place on a walking frame."""
@@ -138,6 +142,14 @@ class WalkerMount:
             raise InputError(
                 f"translation_body_m = {place.tolist()}: expected within 2 m (in cm or mm?)"
             )
+        for name in ("rotation_sd_rad", "translation_sd_m"):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            spread = np.asarray(value, float)
+            if spread.shape != (3,) or not (spread >= 0).all():
+                raise InputError(f"{name}: expected three numbers that are not negative")
+            object.__setattr__(self, name, spread)
         object.__setattr__(self, "rotation_imu_to_body", rotation)
         object.__setattr__(self, "translation_body_m", place)
 
@@ -151,6 +163,11 @@ class WalkerMount:
             raise InputError(
                 f"{path}: no section [walker.mount] (`mobility-imu walker calibrate` writes it)"
             )
+        table = find_table(path, "walker.mount") or {}
+        stated: dict[str, tuple[int, ...]] = {
+            key: (3,) for key in ("rotation_sd_rad", "translation_sd_m") if key in table
+        }
+        found |= read_arrays(path, "walker.mount", stated) or {}
         try:
             return cls(**found)
         except InputError as error:

@@ -8,15 +8,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_vectors
 from mobility_imu.recording import Recording
 from mobility_imu.walker.calibration import SCALE_SD, navigate_recording
 from mobility_imu.walker.geometry import WalkerMount, rotation_world_to_imu
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
-from mobility_imu.walker.stillness import StillnessSettings
+from mobility_imu.walker.stillness import StillnessSettings, runs_of
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+NOTED_LEAN_DEG, MOST_LEAN_DEG = 3.0, 20.0
 
 
 @dataclass(frozen=True)
@@ -30,7 +34,8 @@ class Trajectory:
     rotation_body_to_world : (n, 3, 3) array
     stationary : (n,) bool array
     horizontal_sd_m : (n,) array, m, sd of the place on the floor (root of the sum over both axes);
-        with the sensor's scale, but not with creep or slip of the tips, which no IMU sees
+        with the sensor's scale and the mount's errors, as far as the mount states them, but not
+        with creep or slip of the tips, which no IMU sees
     yaw_sd_rad : (n,) array, rad
     warnings : what the user should know
     """
@@ -121,7 +126,6 @@ def estimate_trajectory(
     *,
     smooth: bool = True,
     closed_loop: ClosedLoop | None = None,
-    translation_sd_m: ArrayLike | None = None,
     settings: NavigationSettings | None = None,
     stillness: StillnessSettings | None = None,
 ) -> Trajectory:
@@ -133,7 +137,6 @@ def estimate_trajectory(
     mount : WalkerMount, see :func:`mobility_imu.walker.calibration.calibrate_mount`
     smooth : whether each estimate may use what comes after it
     closed_loop : if the walk is known to end where and as it began; never evidence of accuracy
-    translation_sd_m : (3,) array, m, sd of the mount's position, for the path's sd
     settings, stillness : see :func:`mobility_imu.walker.navigation.navigate`
 
     Returns
@@ -143,19 +146,33 @@ def estimate_trajectory(
     Raises
     ------
     InputError
-        If the recording has no sensor "frame" with gyroscope, or no still phase at its start.
+        If the recording has no sensor "frame" with gyroscope, no still phase at its start, or by
+        the mount the frame does not stand upright there.
     """
     path, warnings = navigate_recording(
         recording, smooth=smooth, settings=settings, stillness=stillness, closed_loop=closed_loop
     )
-    return trajectory_from_path(path, mount, translation_sd_m=translation_sd_m, warnings=warnings)
+    rest = runs_of(path.still)[0]
+    force = recording.sensor("frame").acc_mps2[-len(path.time_s) :][rest].mean(axis=0)
+    up = mount.rotation_imu_to_body @ force / np.linalg.norm(force)
+    lean = float(np.rad2deg(np.arccos(np.clip(up[2], -1, 1))))
+    if lean > MOST_LEAN_DEG:
+        raise InputError(
+            f"by this mount the frame leans by {lean:.0f} deg while it stands: is it another "
+            "frame's mount, has the IMU been moved, or are its axes exchanged or reversed?"
+        )
+    if lean > NOTED_LEAN_DEG:
+        warnings += (
+            f"by this mount the frame leans by {lean:.1f} deg while it stands: has the IMU moved, "
+            "or is the floor not level?",
+        )
+    return trajectory_from_path(path, mount, warnings=warnings)
 
 
 def trajectory_from_path(
     path: Navigation,
     mount: WalkerMount,
     *,
-    translation_sd_m: ArrayLike | None = None,
     warnings: tuple[str, ...] = (),
 ) -> Trajectory:
     """Do what :func:`estimate_trajectory` does, from a path of the IMU that is there already.
@@ -163,27 +180,29 @@ def trajectory_from_path(
     Parameters
     ----------
     path : Navigation
-    mount, translation_sd_m : as in :func:`estimate_trajectory`
+    mount : as in :func:`estimate_trajectory`
     warnings : said before
     """
     place, body_to_world = body_position(path.position_m, path.quaternion, mount)
     first = int(np.argmax(path.still))
+    said = list(warnings)
     forward = body_to_world[first, :2, 0]
     east, north = forward / np.linalg.norm(forward)
     to_start = np.array([[east, north, 0.0], [-north, east, 0.0], [0.0, 0.0, 1.0]])
     position = (place - place[first]) @ to_start.T
     attitude = to_start @ body_to_world
-    # The mount's error acts by how far the frame has turned since the start: eq. 28.
-    arm_sd = np.zeros(3) if translation_sd_m is None else np.asarray(translation_sd_m, float)
+    # The position's error acts by how far the frame has turned since the start (eq. 28), that of
+    # the mount's heading by how far it has gone.
+    arm_sd = np.zeros(3) if mount.translation_sd_m is None else mount.translation_sd_m
+    heading_sd = 0.0 if mount.rotation_sd_rad is None else mount.rotation_sd_rad[2]
     turned = attitude - attitude[first]
     by_mount = np.einsum("nij,j->ni", turned[:, :2] ** 2, arm_sd**2).sum(axis=1)
-    by_scale = SCALE_SD * np.linalg.norm(position[:, :2], axis=1)
-    horizontal = np.sqrt((path.sd[:, 6:8] ** 2).sum(axis=1) + by_mount + by_scale**2)
+    by_distance = np.hypot(SCALE_SD, heading_sd) * np.linalg.norm(position[:, :2], axis=1)
+    horizontal = np.sqrt((path.sd[:, 6:8] ** 2).sum(axis=1) + by_mount + by_distance**2)
     up = path.rotation_imu_to_world()[:, 2]
     yaw_sd = 2 * np.sqrt(np.einsum("ni,ni->n", up**2, path.sd[:, :3] ** 2))
     heading = np.unwrap(np.arctan2(attitude[:, 1, 0], attitude[:, 0, 0]))
     yaw_sd = np.hypot(yaw_sd, SCALE_SD * np.abs(heading))
-    said = list(warnings)
     backward = _backward_share(position, attitude, path.still)
     if backward > 0.8:
         said.append(
