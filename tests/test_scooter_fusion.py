@@ -270,7 +270,7 @@ def test_mounting_file(tmp_path):
     path.write_text("[scooter]\nsteering_inclination_deg = 20\n")
     assert read_mounting(path) is None
     path.write_text("[scooter.mount]\nrotation_lever_imu_to_lever = [[1, 0], [0, 1]]\n")
-    with pytest.raises(InputError, match="3 x 3 rotation"):
+    with pytest.raises(InputError, match="expected 3 x 3 numbers"):
         read_mounting(path)
 
 
