@@ -147,8 +147,8 @@ def calibration_study(
     Returns
     -------
     DataFrame, one row per level, seed, pose and variant: x_m, y_m, z_m as found, error_x_m,
-    error_y_m, error_z_m, error_m (3-D), turn_deg (error of the rotation); NaN where the method
-    gave none
+    error_y_m, error_z_m, error_m (3-D), turn_deg (error of the rotation), heading_deg (its part
+    about the vertical); NaN where the method gave none
     """
     import pandas as pd
 
@@ -194,6 +194,7 @@ def _against(found: WalkerMount, true: WalkerMount) -> dict[str, float]:
         **{f"error_{axis}_m": float(off[k]) for k, axis in enumerate("xyz")},
         "error_m": float(np.linalg.norm(off)),
         "turn_deg": float(np.rad2deg(turn.magnitude())),
+        "heading_deg": float(np.rad2deg(turn.as_rotvec()[2])),
     }
 
 
