@@ -660,14 +660,22 @@ def walker_trajectory(
         )
     except InputError as error:
         raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
-    placed = find_steps(found)
-    for said in (*found.warnings, *placed.warnings):
+    for said in found.warnings:
         warnings.warn(said, stacklevel=1)
-    if not len(placed):
-        warnings.warn(f"{walk}: no step found: is it a walk?", stacklevel=1)
     tables = {output: found.to_frame()}
-    if steps is not None:
-        tables[steps] = placed.to_frame()
+    try:
+        placed = find_steps(found)
+    except InputError as error:
+        if steps is not None:
+            raise InputError(f"{walk}: {error}") from None
+        warnings.warn(f"{walk}: no steps: {error}", stacklevel=1)
+    else:
+        for said in placed.warnings:
+            warnings.warn(said, stacklevel=1)
+        if not len(placed):
+            warnings.warn(f"{walk}: no step found: is it a walk?", stacklevel=1)
+        if steps is not None:
+            tables[steps] = placed.to_frame()
     _write_tables(tables)
 
 
