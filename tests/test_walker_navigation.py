@@ -12,6 +12,10 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
+from mobility_imu.reproduction.walker import pose_mount
+from mobility_imu.reproduction.walker_study import DATASHEET
+from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
+from mobility_imu.walker import recursion
 from mobility_imu.walker.geometry import rotation_world_to_imu
 from mobility_imu.walker.navigation import (
     NavigationSettings,
@@ -25,6 +29,7 @@ from mobility_imu.walker.navigation import (
     step_transition,
     strapdown_rates,
 )
+from mobility_imu.walker.stillness import find_stillness
 
 DT = 0.01
 G = np.array([0.0, 0.0, STANDARD_GRAVITY_MPS2])
@@ -207,9 +212,9 @@ def at_samples(states, name):
 
 @pytest.mark.parametrize("zero_rate", [True, False])
 def test_compiled_filter_and_smoother_equal_the_textbook(zero_rate):
-    """Sparse transition, scalar updates and the adjoint recursion change nothing but the speed."""
+    """Sparse transition, joint updates and the adjoint recursion change nothing but the speed."""
     time, acc, gyr, still = wobbling(12)
-    chosen = NavigationSettings(zero_rate=zero_rate)
+    chosen = NavigationSettings(zero_rate=zero_rate, moving_stride=1, resting_stride=1)
     start, p = random_state(1)[0], np.diag(np.repeat([1e-3, 1e-3, 1e-3, 1e-2, 3e-2], 3)) ** 2
     start = start._replace(
         quaternion=Rotation.random(random_state=1).as_quat(scalar_first=True),
@@ -226,6 +231,58 @@ def test_compiled_filter_and_smoother_equal_the_textbook(zero_rate):
             assert np.allclose(getattr(ours, name), at_samples(expected, name), atol=1e-8), name
         variance = np.array([np.diag(c) for c in spread])
         assert np.allclose(ours.sd**2, (variance[1:] + variance[:-1]) / 2, rtol=1e-6, atol=1e-16)
+
+
+@pytest.fixture(scope="module")
+def walked():
+    """Readings of a data-sheet sensor on a 10 m walk, and where the frame was still."""
+    motion = simulate_walk(CORRIDOR, seed=3)
+    imu = attach_imu(motion, pose_mount("2"), DATASHEET, seed=3, unit_seed=3)
+    readings = imu.recording.sensor("frame")
+    acc, gyr = np.asarray(readings.acc_mps2), np.asarray(readings.gyr_radps)
+    return imu.recording.time_s, acc, gyr, find_stillness(acc, gyr, 100.0)
+
+
+def departures(walked, moving, resting):
+    """How far strides move a smoothed path, and by which part they change standard deviations."""
+    one, other = (
+        navigate(*walked, NavigationSettings(moving_stride=m, resting_stride=r))
+        for m, r in ((1, 1), (moving, resting))
+    )
+    apart = np.linalg.norm(one.position_m - other.position_m, axis=1)
+    return apart.max(), np.abs(other.sd / one.sd - 1), one.sd[-1, 6:8].min()
+
+
+def test_strides_of_a_moving_frame_move_nothing(walked):
+    """Without updates in between, the step of several samples is the product of theirs.
+
+    What is left: noise of the rate that reaches the velocity within a stride, and corrections and
+    variances that are linear inside one.
+    """
+    away, sd, _ = departures(walked, 8, 1)
+    assert away < 3e-5
+    assert np.median(sd) < 1e-3 and sd.max() < 0.1
+
+
+@pytest.mark.parametrize("resting", [2, 4])
+def test_strides_of_a_resting_frame_move_less_than_the_filter_knows(walked, resting):
+    """One update for some samples, with the noise of its duration, tells what theirs would."""
+    away, sd, smallest = departures(walked, 8, resting)
+    assert away < 0.1 * smallest
+    assert np.median(sd) < 2e-3 and sd.max() < 0.15
+
+
+def test_strides_break_where_rest_begins_and_ends_and_samples_are_cut():
+    still = np.zeros(30, bool)
+    still[7:19] = True
+    cut = np.zeros(30, bool)
+    cut[24] = True
+    ends = recursion.stride_ends(still, cut, 4, 4)
+    # 0-6 moving; 7-18 at rest, singly within 4 of its ends; 19-23 moving; 24 cut; 25-29 moving
+    assert ends.tolist() == [4, 7, 8, 9, 10, 11, 15, 16, 17, 18, 19, 23, 24, 25, 29, 30]
+    assert recursion.stride_ends(still, cut, 1, 1).tolist() == list(range(1, 31))
+    with pytest.raises(InputError, match="resting_stride = 0: expected a whole number from 1"):
+        NavigationSettings(resting_stride=0)
 
 
 def test_same_without_compiling():
@@ -330,10 +387,14 @@ def consistent_run(seed, chosen):
             acc_bias_mps2=true.acc_bias_mps2 + chosen.acc_bias_walk * walk[3:],
         )
         truth.append(true)
-        seen[k, :3] = true.velocity_mps + chosen.velocity_noise / np.sqrt(DT) * rng.standard_normal(
-            3
-        )
-        seen[k, 3] = true.position_m[2] + chosen.height_noise / np.sqrt(DT) * rng.standard_normal()
+    # What is observed is said of a stride's end; its mean has the noise of the stride.
+    none = np.zeros(count, bool)
+    ends = recursion.stride_ends(still, none, chosen.moving_stride, chosen.resting_stride)
+    for begin, end in zip([0, *ends[:-1]], ends, strict=True):
+        seen[begin:end, :3] = truth[end].velocity_mps
+        seen[begin:end, 3] = truth[end].position_m[2]
+    noise = rng.standard_normal((count, 4)) / np.sqrt(DT)
+    seen += noise * [*[chosen.velocity_noise] * 3, chosen.height_noise]
     values = np.array(readings)
     found = [
         run_filter(
@@ -345,8 +406,9 @@ def consistent_run(seed, chosen):
     return *found, truth
 
 
+@pytest.mark.parametrize("strides", [(1, 1), (8, 4)])
 @pytest.mark.parametrize("zero_rate", [True, False])
-def test_filter_is_consistent_at_stated_noise(zero_rate):
+def test_filter_is_consistent_at_stated_noise(zero_rate, strides):
     """Innovations and errors are as large as the filter says: inside 95 % chi-square bounds.
 
     60 runs; bounds of the mean over independent numbers (innovations of all runs; one error per
@@ -354,7 +416,13 @@ def test_filter_is_consistent_at_stated_noise(zero_rate):
     """
     from scipy import stats
 
-    chosen = NavigationSettings(gyr_noise_factor=1.0, acc_noise_factor=1.0, zero_rate=zero_rate)
+    chosen = NavigationSettings(
+        gyr_noise_factor=1.0,
+        acc_noise_factor=1.0,
+        zero_rate=zero_rate,
+        moving_stride=strides[0],
+        resting_stride=strides[1],
+    )
     runs = 60
     total, dof = 0.0, 0
     filtered, smoothed = [], []

@@ -647,8 +647,11 @@ def navigate_recording(
     except InputError as error:
         raise InputError(f"{recording.source}: {error}") from None
     updates = int(path.nis_dof.sum())
-    if updates and path.nis.sum() > MOST_NIS * updates:
-        excess = np.sqrt(path.nis.sum() / updates)
+    # What is wrong throughout a rest is measured by a stride's noise, less than a sample's.
+    strides, samples = np.count_nonzero(path.nis_dof), np.count_nonzero(path.still)
+    nis = float(path.nis.sum()) / max(updates, 1) * strides / max(samples, 1)
+    if nis > MOST_NIS:
+        excess = np.sqrt(nis)
         warnings.append(
             f"{recording.source}: the rests are {excess:.1f} times as far from what the filter "
             "expects as they should be: are axes exchanged, or signs reversed?"

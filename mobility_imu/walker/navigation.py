@@ -10,16 +10,17 @@ samples, with the means over these intervals; what is given out is brought back 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_series, as_vectors
+from mobility_imu.walker import recursion
 from mobility_imu.walker.geometry import rotation_world_to_imu
 
 STATES = ("attitude", "gyr_bias", "position", "velocity", "acc_bias")
@@ -28,8 +29,6 @@ GRAVITY_MPS2 = np.array([0.0, 0.0, STANDARD_GRAVITY_MPS2])
 """The vector g of eq. 21. It must point up, or a resting accelerometer would read downward."""
 
 _DEG = float(np.deg2rad(1))
-# Where the sensor was cut off, this much noise (m/s² per sample) says that nothing is known.
-CUT_ACC_SD_MPS2 = 20.0
 
 
 @dataclass(frozen=True)
@@ -53,6 +52,9 @@ class NavigationSettings:
     zero_rate : whether to make zero-rate updates, which the paper does not
     initial_gyr_mean : whether to start with the mean of the gyroscope over the first still stretch
     dynamics : error dynamics, "corrected" or as "printed" in eq. 24
+    moving_stride : 8, samples of a moving frame that share one step of the covariance
+    resting_stride : 4, samples of a resting frame that share one, and one update at their end;
+        closer to the ends of a rest each has its own. With 1 and 1: the textbook's filter
     """
 
     gyr_noise_radps_sqrthz: float = 0.007 * _DEG
@@ -70,6 +72,8 @@ class NavigationSettings:
     zero_rate: bool = True
     initial_gyr_mean: bool = True
     dynamics: Literal["corrected", "printed"] = "corrected"
+    moving_stride: int = 8
+    resting_stride: int = 4
 
     def __post_init__(self) -> None:
         """Refuse what no filter can work with."""
@@ -77,6 +81,9 @@ class NavigationSettings:
             if name == "dynamics":
                 if value not in ("corrected", "printed"):
                     raise InputError(f"dynamics = {value!r}: expected 'corrected' or 'printed'")
+            elif name in ("moving_stride", "resting_stride"):
+                if not isinstance(value, int) or value < 1:
+                    raise InputError(f"{name} = {value}: expected a whole number from 1")
             elif not isinstance(value, bool) and not (np.isfinite(value) and value > 0):
                 raise InputError(f"{name} = {value}: expected a positive number")
 
@@ -121,10 +128,10 @@ class Navigation(NamedTuple):
     position_m, velocity_mps : (n, 3) world
     gyr_bias_radps, acc_bias_mps2 : (n, 3) IMU's axes
     sd : (n, 15) standard deviations in the order of STATES; the attitude's are half angles, rad,
-        about the IMU's axes
+        about the IMU's axes; inside a stride their squares are linear in time
     still : (n,) bool
     nis : (n,) normalised innovation squared, summed over the updates of a sample
-    nis_dof : (n,) int, number of these updates
+    nis_dof : (n,) int, number of these updates; 0 but at a stride's last sample
     """
 
     time_s: FloatArray
@@ -162,11 +169,9 @@ def interval_means(
     (n, 3), (n, 3) arrays : m/s² and rad/s
     """
     acc, gyr = as_vectors(acc_mps2, "acc_mps2"), as_vectors(gyr_radps, "gyr_radps")
-    slope, bend = np.zeros_like(gyr), np.zeros_like(gyr)
-    slope[1:-1] = (gyr[2:] - gyr[:-2]) / 2
-    bend[1:-1] = gyr[2:] - 2 * gyr[1:-1] + gyr[:-2]
-    rate = gyr + bend / 24 + dt_s / 12 * np.cross(gyr, slope)
-    return acc - dt_s / 8 * np.cross(slope, acc), rate
+    force, rate = acc.copy(), gyr.copy()
+    recursion.interval_means(acc, gyr, dt_s, force, rate)
+    return force, rate
 
 
 def strapdown_rates(
@@ -291,19 +296,20 @@ def step_transition(
     -------
     NavigationState after the interval, and the (15, 15) transition matrix
     """
-    x = np.concatenate(list(state))
-    sign, couple = _signs(dynamics)
-    after, blocks = np.empty(16), np.zeros((7, 3, 3))
-    _advance(x, np.array(acc_mps2, float), np.array(gyr_radps, float), dt_s, 1.0, sign, couple,
-             after, blocks)  # fmt: skip
+    states, step = np.empty((2, 16)), np.empty(45)
+    states[0] = _joined(state)
+    recursion.advance(
+        states, 0, np.array([acc_mps2], float), np.array([gyr_radps], float), dt_s, 1.0,
+        *_signs(dynamics), step,
+    )  # fmt: skip
     phi = np.eye(15)
-    qq, qb, vq, vb, va = blocks[:5]
+    qq, qb, vq, vb, va = step.reshape(5, 3, 3)
     phi[0:3, 0:3], phi[0:3, 3:6] = qq, qb
     for column, block in ((0, vq), (3, vb), (12, va)):
         phi[9:12, column : column + 3] = block
         phi[6:9, column : column + 3] = dt_s / 2 * block
     phi[6:9, 9:12] = dt_s * np.eye(3)
-    return _split(after), phi
+    return _split(states[1]), phi
 
 
 def integrate_strapdown(
@@ -330,11 +336,12 @@ def integrate_strapdown(
     clock, acc, gyr, at_rest = _inputs(time_s, acc_mps2, gyr_radps, still)
     acc, gyr = interval_means(acc, gyr, float(np.median(np.diff(clock))))
     states = np.empty((len(clock) + 1, 16))
-    states[0] = np.concatenate(list(start))
-    _integrate(acc, gyr, at_rest, _intervals(clock), states)
+    states[0] = _joined(start)
+    recursion.integrate(acc, gyr, at_rest, _intervals(clock), states)
     empty = np.full((len(clock) + 1, 15), np.nan)
     none = np.zeros(len(clock))
-    return _at_samples(clock, states, empty, at_rest, none, none.astype(np.int64))
+    ends = np.arange(1, len(clock) + 1)
+    return _at_samples(clock, states, ends, empty, at_rest, none, none.astype(np.int64))
 
 
 def navigate(
@@ -352,7 +359,8 @@ def navigate(
 
     When the frame is still: velocity zero, height as at the start (if it is upright), rate zero.
     The smoother gives what a Rauch-Tung-Striebel smoother gives, by the adjoint recursion of
-    Bryson and Frazier, which needs no inverse.
+    Bryson and Frazier, which needs no inverse. The state is integrated at every sample, the
+    covariance in strides, see NavigationSettings.
 
     Parameters
     ----------
@@ -414,7 +422,8 @@ def run_filter(
     start : NavigationState
     covariance : (15, 15) array, of the error of the start
     observed : (n, 4) array, velocity (m/s) and height (m) that the updates take for observed;
-        zeros if it is not given. Simulations put the stated noise here to test consistency.
+        zeros if it is not given. Simulations put the stated noise here to test consistency. An
+        update takes the mean over its stride.
 
     Returns
     -------
@@ -423,42 +432,51 @@ def run_filter(
     clock, acc, gyr, at_rest = _inputs(time_s, acc_mps2, gyr_radps, still)
     count = len(clock)
     doubt = np.zeros(count, np.bool_) if cut is None else np.asarray(cut, np.bool_)
-    seen = np.zeros((count, 4)) if observed is None else np.ascontiguousarray(observed, float)
-    if doubt.shape != (count,) or seen.shape != (count, 4):
-        raise InputError(f"cut {doubt.shape}, observed {seen.shape}: expected ({count},) and rows")
+    seen = np.zeros((1, 4)) if observed is None else np.ascontiguousarray(observed, float)
+    if doubt.shape != (count,) or seen.shape[1:] != (4,) or len(seen) not in (1, count):
+        raise InputError(
+            f"cut {doubt.shape}, observed {seen.shape}: expected ({count},) and ({count}, 4)"
+        )
     dt = _intervals(clock)
-    sign, couple = _signs(settings.dynamics)
-    noise = _noises(settings)
-    states = np.empty((count + 1, 16))
-    states[0] = np.concatenate(list(start))
-    packed = np.empty((count + 1, 120))
+    ends = recursion.stride_ends(at_rest, doubt, settings.moving_stride, settings.resting_stride)
+    begins = np.concatenate([[0], ends[:-1]])
+    length = np.add.reduceat(dt, begins)
+    sizes = np.where(ends - begins == 1, recursion.STEP, recursion.CHAIN)
+    places = np.concatenate([[0], np.cumsum(sizes)])
+    strides = len(ends)
+    states, chains, packed, shifts, said, variance = _rooms(
+        (count + 1, 16), (places[-1],), (strides + 1, 120), (strides, 16), (strides, 16),
+        (strides + 1, 15),
+    )  # fmt: skip
+    states[0] = _joined(start)
     nis, dof = np.zeros(count), np.zeros(count, np.int64)
-    upright = np.zeros(count, np.bool_)
-    first = np.ascontiguousarray(covariance, float)
-    _forward(acc, gyr, at_rest, doubt, seen, dt, noise, settings.zero_rate, sign, couple,
-             np.cos(settings.upright_rad), first, states, packed, nis, dof, upright)  # fmt: skip
-    variance = np.empty((count + 1, 15))
+    recursion.forward(
+        acc, gyr, at_rest, doubt, seen, dt, ends, length, places, _noises(settings),
+        settings.zero_rate, *_signs(settings.dynamics), np.cos(settings.upright_rad),
+        np.ascontiguousarray(covariance, float), states, chains, packed, shifts, said, nis, dof,
+        recursion.aligned(5, 256),
+    )  # fmt: skip
     if smooth:
-        smoothed = np.empty_like(states)
         mu, big = np.zeros(15), np.zeros((15, 15))
         if closed_loop is not None:
-            mu, big = _closing(states, packed[-1], closed_loop)
-        _backward(acc, gyr, at_rest, upright, seen, dt, noise, settings.zero_rate, sign, couple,
-                  states, packed, mu, big, smoothed, variance)  # fmt: skip
-        states = smoothed
+            mu, big = _closing(states, packed, closed_loop)
+        recursion.backward(
+            at_rest, ends, length, places, chains, packed, shifts, said, mu, big, states, variance,
+            recursion.aligned(7, 256),
+        )  # fmt: skip
     else:
         diagonal = [k * (k + 1) // 2 + k for k in range(15)]
         variance = np.maximum(packed[:, diagonal], 0)
-    return _at_samples(clock, states, variance, at_rest, nis, dof)
+    return _at_samples(clock, states, ends, variance, at_rest, nis, dof)
 
 
 def _closing(
     states: FloatArray, packed: FloatArray, closed: ClosedLoop
 ) -> tuple[FloatArray, FloatArray]:
     """What a known end says of the last state: where the smoother starts."""
-    lower = np.zeros((15, 15))
-    lower[np.tril_indices(15)] = packed
-    p = lower + np.tril(lower, -1).T
+    flat = recursion.aligned(1, 256)[0]
+    recursion.unpack(packed, len(packed) - 1, flat)
+    p = flat.reshape(16, 16)[:15, :15]
     first, last = (rotation_world_to_imu(states[k, :4]).T for k in (0, -1))  # IMU to world
     drift = Rotation.from_matrix(last @ first.T).as_rotvec()[2]
     h = np.zeros((3, 15))
@@ -488,6 +506,13 @@ def _inputs(
         if not np.isfinite(values).all():
             raise InputError(f"{name}: not a finite number at row {_first_bad(values)}")
     return clock, acc, gyr, at_rest
+
+
+def _rooms(*shapes: tuple[int, ...]) -> list[FloatArray]:
+    """Arrays in one piece of memory: to get it in small ones takes longer than to fill it."""
+    ends = np.cumsum([math.prod(shape) for shape in shapes])
+    parts = np.split(np.empty(ends[-1]), ends[:-1])
+    return [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
 
 
 def _first_bad(values: FloatArray) -> int:
@@ -539,7 +564,7 @@ def _start(
     rest = slice(begin, begin + int(moving[0]) if len(moving) else len(still))
     force, rate = acc[rest].mean(axis=0), gyr[rest].mean(axis=0)
     up = force / np.linalg.norm(force)
-    turn, _ = Rotation.align_vectors([[0.0, 0.0, 1.0]], up[None])
+    turn = _shortest_turn_up(up)
     length = float(np.sum(_intervals(clock)[rest]))
     gyr_bias = rate if settings.initial_gyr_mean else np.zeros(3)
     bias_var = settings.gyr_bias_sd_radps**2
@@ -560,8 +585,22 @@ def _start(
     p[9:12, 9:12] = settings.velocity_noise**2 * np.eye(3)
     p[12:15, 12:15] = acc_var * np.eye(3)
     zero = np.zeros(3)
-    start = NavigationState(turn.as_quat(scalar_first=True), zero, zero, gyr_bias, zero)
+    start = NavigationState(turn, zero, zero, gyr_bias, zero)
     return start, p
+
+
+def _shortest_turn_up(up: FloatArray) -> FloatArray:
+    """Quaternion that turns a unit vector into z."""
+    if up[2] < -1 + 1e-9:  # upside down: any horizontal axis will do
+        return np.array([0.0, 1.0, 0.0, 0.0])
+    turn = np.array([1 + up[2], up[1], -up[0], 0.0])
+    return np.asarray(turn / np.linalg.norm(turn))
+
+
+def _joined(state: NavigationState) -> FloatArray:
+    x = np.concatenate(list(state))
+    x[:4] /= np.linalg.norm(x[:4])
+    return x
 
 
 def _split(x: FloatArray) -> NavigationState:
@@ -571,6 +610,7 @@ def _split(x: FloatArray) -> NavigationState:
 def _at_samples(
     clock: FloatArray,
     states: FloatArray,
+    ends: NDArray[np.int64],
     variance: FloatArray,
     still: NDArray[np.bool_],
     nis: FloatArray,
@@ -578,7 +618,7 @@ def _at_samples(
 ) -> Navigation:
     """From the midpoints between the samples to the samples."""
     middle, spread = np.empty((len(clock), 16)), np.empty((len(clock), 15))
-    _between(states, variance, middle, spread)
+    recursion.between(states, ends, variance, middle, spread)
     quaternion = middle[:, 0:4]
     position, velocity, gyr_bias, acc_bias = (middle[:, k : k + 3] for k in (4, 7, 10, 13))
     return Navigation(
@@ -588,424 +628,3 @@ def _at_samples(
 
 def _cross_matrix(v: FloatArray) -> FloatArray:
     return np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-
-
-# Compiled from here on. A state has 16 numbers: attitude, position, velocity, biases. The error
-# state has 15; position and velocity of both stand at other places, see STATES.
-# A product and the sum after it may be rounded once instead of twice ("contract"), nothing else.
-_compiled = njit(cache=True, fastmath={"contract"})
-
-
-@_compiled
-def _matrix(w, x, y, z, out):
-    """Quaternion to matrix, IMU to world."""
-    out[0, 0] = w * w + x * x - y * y - z * z
-    out[0, 1] = 2 * (x * y - w * z)
-    out[0, 2] = 2 * (x * z + w * y)
-    out[1, 0] = 2 * (x * y + w * z)
-    out[1, 1] = w * w - x * x + y * y - z * z
-    out[1, 2] = 2 * (y * z - w * x)
-    out[2, 0] = 2 * (x * z - w * y)
-    out[2, 1] = 2 * (y * z + w * x)
-    out[2, 2] = w * w - x * x - y * y + z * z
-
-
-@_compiled
-def _product(w0, w1, w2, w3, c, x, y, z):
-    """Product of two quaternions."""
-    return (
-        w0 * c - w1 * x - w2 * y - w3 * z,
-        w0 * x + w1 * c + w2 * z - w3 * y,
-        w0 * y - w1 * z + w2 * c + w3 * x,
-        w0 * z + w1 * y - w2 * x + w3 * c,
-    )
-
-
-@_compiled
-def _from_vector(v1, v2, v3):
-    """Quaternion of a rotation vector."""
-    square = (v1 * v1 + v2 * v2 + v3 * v3) / 4
-    if square < 1e-3:  # the next terms are below rounding
-        c = 1 - square / 2 * (1 - square / 12 * (1 - square / 30 * (1 - square / 56)))
-        s = (1 - square / 6 * (1 - square / 20 * (1 - square / 42 * (1 - square / 72)))) / 2
-        return c, s * v1, s * v2, s * v3
-    half = np.sqrt(square)
-    s = np.sin(half) / (2 * half)
-    return np.cos(half), s * v1, s * v2, s * v3
-
-
-@_compiled
-def _advance(x, acc, gyr, dt, share, sign, couple, out, blocks):
-    """State and blocks of the transition over one interval.
-
-    share is how much of the measured rate is taken for motion. Blocks, 3 x 3 each: attitude from
-    attitude and gyroscope bias, velocity from attitude, gyroscope and accelerometer bias. What the
-    velocity gains, the position gains by half the interval. The last two blocks are scratch.
-    """
-    p1 = (gyr[0] - x[10]) * share * dt
-    p2 = (gyr[1] - x[11]) * share * dt
-    p3 = (gyr[2] - x[12]) * share * dt
-    f1, f2, f3 = acc[0] - x[13], acc[1] - x[14], acc[2] - x[15]
-    qq, qb, vq, vb, va = blocks[0], blocks[1], blocks[2], blocks[3], blocks[4]
-    r, back = blocks[5], blocks[6]
-    hc, hx, hy, hz = _from_vector(p1 / 2, p2 / 2, p3 / 2)
-    m0, m1, m2, m3 = _product(x[0], x[1], x[2], x[3], hc, hx, hy, hz)
-    _matrix(m0, m1, m2, m3, r)
-    m0, m1, m2, m3 = _product(m0, m1, m2, m3, hc, hx, hy, hz)
-    length = np.sqrt(m0 * m0 + m1 * m1 + m2 * m2 + m3 * m3)
-    out[0], out[1], out[2], out[3] = m0 / length, m1 / length, m2 / length, m3 / length
-    for i in range(3):
-        gain = r[i, 0] * f1 + r[i, 1] * f2 + r[i, 2] * f3
-        if i == 2:
-            gain -= STANDARD_GRAVITY_MPS2
-        out[7 + i] = x[7 + i] + dt * gain
-        out[4 + i] = x[4 + i] + dt * x[7 + i] + dt * dt / 2 * gain
-    for i in range(10, 16):
-        out[i] = x[i]
-    # The bias acts on the attitude through the right Jacobian 1 - [p x] / 2 + [p x]² / 6.
-    k = sign * 0.5 * share * dt
-    square = p1 * p1 + p2 * p2 + p3 * p3
-    m0, m1, m2, m3 = _product(hc, -hx, -hy, -hz, hc, -hx, -hy, -hz)
-    _matrix(m0, m1, m2, m3, qq)
-    _matrix(hc, -hx, -hy, -hz, back)
-    qb[0, 0], qb[0, 1], qb[0, 2] = 1 + (p1 * p1 - square) / 6, p1 * p2 / 6, p1 * p3 / 6
-    qb[1, 0], qb[1, 1], qb[1, 2] = p1 * p2 / 6, 1 + (p2 * p2 - square) / 6, p2 * p3 / 6
-    qb[2, 0], qb[2, 1], qb[2, 2] = p1 * p3 / 6, p2 * p3 / 6, 1 + (p3 * p3 - square) / 6
-    qb[0, 1] += p3 / 2
-    qb[0, 2] -= p2 / 2
-    qb[1, 0] -= p3 / 2
-    qb[1, 2] += p1 / 2
-    qb[2, 0] += p2 / 2
-    qb[2, 1] -= p1 / 2
-    # -2 R [f x] acts on the attitude's error in the middle of the interval.
-    for i in range(3):
-        a = -2 * dt * (r[i, 1] * f3 - r[i, 2] * f2)
-        b = -2 * dt * (r[i, 2] * f1 - r[i, 0] * f3)
-        c = -2 * dt * (r[i, 0] * f2 - r[i, 1] * f1)
-        for j in range(3):
-            vq[i, j] = a * back[0, j] + b * back[1, j] + c * back[2, j]
-            va[i, j] = -couple * dt * r[i, j]
-            qb[i, j] *= k
-        vb[i, 0] = k / 2 * (a - b * p3 / 4 + c * p2 / 4)
-        vb[i, 1] = k / 2 * (b + a * p3 / 4 - c * p1 / 4)
-        vb[i, 2] = k / 2 * (c - a * p2 / 4 + b * p1 / 4)
-
-
-@_compiled
-def _between(states, variance, middle, spread):
-    for k in range(len(middle)):
-        for i in range(16):
-            middle[k, i] = (states[k, i] + states[k + 1, i]) / 2
-        square = 0.0
-        for i in range(4):
-            square += middle[k, i] * middle[k, i]
-        length = np.sqrt(square)
-        for i in range(4):
-            middle[k, i] /= length
-        for i in range(15):
-            spread[k, i] = np.sqrt((variance[k, i] + variance[k + 1, i]) / 2)
-
-
-@_compiled
-def _integrate(acc, gyr, still, dt, states):
-    blocks = np.empty((7, 3, 3))
-    for k in range(len(acc)):
-        _advance(states[k], acc[k], gyr[k], dt[k], 1.0, -1.0, 1.0, states[k + 1], blocks)
-        if still[k]:
-            states[k + 1, 7:10] = 0.0
-
-
-# Matrices of the error state lie flat, 16 numbers a row of which the last is 0, 16 rows: only then
-# does the compiler see that a row fits its registers. Six times faster than (15, 15) arrays.
-
-
-@_compiled
-def _rows(blocks, dt, p, out):
-    """Transition times p."""
-    for i in range(3):
-        q0, q1, q2 = blocks[0, i, 0], blocks[0, i, 1], blocks[0, i, 2]
-        b0, b1, b2 = blocks[1, i, 0], blocks[1, i, 1], blocks[1, i, 2]
-        v0, v1, v2 = blocks[2, i, 0], blocks[2, i, 1], blocks[2, i, 2]
-        u0, u1, u2 = blocks[3, i, 0], blocks[3, i, 1], blocks[3, i, 2]
-        a0, a1, a2 = blocks[4, i, 0], blocks[4, i, 1], blocks[4, i, 2]
-        k = 16 * i
-        for j in range(16):
-            x0, x1, x2 = p[j], p[16 + j], p[32 + j]
-            y0, y1, y2 = p[48 + j], p[64 + j], p[80 + j]
-            gain = (
-                v0 * x0 + v1 * x1 + v2 * x2 + u0 * y0 + u1 * y1 + u2 * y2
-                + a0 * p[192 + j] + a1 * p[208 + j] + a2 * p[224 + j]
-            )  # fmt: skip
-            out[k + j] = q0 * x0 + q1 * x1 + q2 * x2 + b0 * y0 + b1 * y1 + b2 * y2
-            out[48 + k + j] = p[48 + k + j]
-            out[96 + k + j] = p[96 + k + j] + dt * p[144 + k + j] + dt / 2 * gain
-            out[144 + k + j] = p[144 + k + j] + gain
-            out[192 + k + j] = p[192 + k + j]
-
-
-@_compiled
-def _rows_back(blocks, dt, p, out):
-    """Transposed transition times p."""
-    for i in range(3):
-        q0, q1, q2 = blocks[0, 0, i], blocks[0, 1, i], blocks[0, 2, i]
-        b0, b1, b2 = blocks[1, 0, i], blocks[1, 1, i], blocks[1, 2, i]
-        v0, v1, v2 = blocks[2, 0, i], blocks[2, 1, i], blocks[2, 2, i]
-        u0, u1, u2 = blocks[3, 0, i], blocks[3, 1, i], blocks[3, 2, i]
-        a0, a1, a2 = blocks[4, 0, i], blocks[4, 1, i], blocks[4, 2, i]
-        k = 16 * i
-        for j in range(16):
-            x0, x1, x2 = p[j], p[16 + j], p[32 + j]
-            s0 = p[144 + j] + dt / 2 * p[96 + j]
-            s1 = p[160 + j] + dt / 2 * p[112 + j]
-            s2 = p[176 + j] + dt / 2 * p[128 + j]
-            out[k + j] = q0 * x0 + q1 * x1 + q2 * x2 + v0 * s0 + v1 * s1 + v2 * s2
-            out[48 + k + j] = (
-                p[48 + k + j] + b0 * x0 + b1 * x1 + b2 * x2 + u0 * s0 + u1 * s1 + u2 * s2
-            )
-            out[96 + k + j] = p[96 + k + j]
-            out[144 + k + j] = p[144 + k + j] + dt * p[96 + k + j]
-            out[192 + k + j] = p[192 + k + j] + a0 * s0 + a1 * s1 + a2 * s2
-
-
-@_compiled
-def _transpose(p, out):
-    for i in range(15):
-        for j in range(15):
-            out[16 * i + j] = p[16 * j + i]
-
-
-@_compiled
-def _product_rows(a, b, out, first, last):
-    """Rows first to last of a times the matrix b; in short sums, which do not wait for another."""
-    for k in range(16 * first, 16 * last, 16):
-        a0, a1, a2, a3, a4 = a[k], a[k + 1], a[k + 2], a[k + 3], a[k + 4]
-        a5, a6, a7, a8, a9 = a[k + 5], a[k + 6], a[k + 7], a[k + 8], a[k + 9]
-        a10, a11, a12, a13, a14 = a[k + 10], a[k + 11], a[k + 12], a[k + 13], a[k + 14]
-        for j in range(16):
-            out[k + j] = (
-                (a0 * b[j] + a1 * b[16 + j] + a2 * b[32 + j] + a3 * b[48 + j])
-                + (a4 * b[64 + j] + a5 * b[80 + j] + a6 * b[96 + j] + a7 * b[112 + j])
-                + (a8 * b[128 + j] + a9 * b[144 + j] + a10 * b[160 + j] + a11 * b[176 + j])
-                + (a12 * b[192 + j] + a13 * b[208 + j] + a14 * b[224 + j])
-            )
-
-
-@_compiled
-def _correct(x, error):
-    """Put an error into a state (eq. 22 turned round)."""
-    m0, m1, m2, m3 = _product(x[0], x[1], x[2], x[3], 1.0, error[0], error[1], error[2])
-    length = np.sqrt(m0 * m0 + m1 * m1 + m2 * m2 + m3 * m3)
-    x[0], x[1], x[2], x[3] = m0 / length, m1 / length, m2 / length, m3 / length
-    for i in range(3):
-        x[10 + i] += error[3 + i]
-        x[4 + i] += error[6 + i]
-        x[7 + i] += error[9 + i]
-        x[13 + i] += error[12 + i]
-
-
-@_compiled
-def _share(still, zero_rate, noise):
-    """How much of a measured rate is motion, if a standing frame has a noise of its own.
-
-    With the prior "rate 0 with noise s" and a reading with noise g, the rate's best estimate is
-    s²/(s²+g²) of the reading; its error does not depend on the reading less the bias, so that the
-    latter may be used once more, as an observation of the bias with variance s² + g².
-    """
-    if still and zero_rate:
-        return noise[6] / (noise[6] + noise[0])
-    return 1.0
-
-
-@_compiled
-def _forward(
-    acc, gyr, still, cut, seen, dt, noise, zero_rate, sign, couple, upright_cos, first,
-    states, packed, nis, dof, upright,
-):  # fmt: skip
-    p, work, other = np.zeros(256), np.zeros(256), np.zeros(256)
-    blocks, r = np.empty((7, 3, 3)), np.empty((3, 3))
-    error, column = np.zeros(16), np.zeros(16)
-    _matrix(states[0, 0], states[0, 1], states[0, 2], states[0, 3], r)
-    up0, up1, up2 = r[2, 0], r[2, 1], r[2, 2]
-    for i in range(15):
-        for j in range(15):
-            p[16 * i + j] = first[i, j]
-    for k in range(len(acc)):
-        h = dt[k]
-        share = _share(still[k], zero_rate, noise)
-        x = states[k + 1]
-        _advance(states[k], acc[k], gyr[k], h, share, sign, couple, x, blocks)
-        _rows(blocks, h, p, work)
-        _transpose(work, other)
-        _pack(p, packed[k])  # here, since what was just transposed cannot be read at once
-        _rows(blocks, h, other, p)
-        white = CUT_ACC_SD_MPS2**2 * h if cut[k] else noise[1]
-        for i in range(3):
-            p[17 * i] += noise[0] * share / 4 * h
-            p[17 * (3 + i)] += noise[2] * h
-            p[17 * (6 + i)] += white * h * h * h / 4
-            p[17 * (6 + i) + 3] += white * h * h / 2
-            p[17 * (9 + i) - 3] += white * h * h / 2
-            p[17 * (9 + i)] += white * h
-            p[17 * (12 + i)] += noise[3] * h
-        if still[k]:
-            error[:] = 0.0
-            _matrix(x[0], x[1], x[2], x[3], r)
-            upright[k] = r[2, 0] * up0 + r[2, 1] * up1 + r[2, 2] * up2 > upright_cos
-            for m in range(7):
-                if m < 3:
-                    at, variance, residual = 9 + m, noise[4] / h, seen[k, m] - x[7 + m]
-                elif m == 3:
-                    if not upright[k]:
-                        continue
-                    at, variance, residual = 8, noise[5] / h, seen[k, 3] - x[6]
-                else:
-                    if not zero_rate:
-                        break
-                    at, variance = m - 1, (noise[6] + noise[0]) / h
-                    residual = gyr[k, m - 4] - x[6 + m]
-                residual -= error[at]
-                total = p[17 * at] + variance
-                nis[k] += residual * residual / total
-                dof[k] += 1
-                _observe(p, at, 1 / total, residual, column, error)
-            _correct(x, error)
-    _pack(p, packed[len(acc)])
-
-
-@_compiled
-def _observe(p, at, inverse, residual, column, error):
-    """Covariance and error after one state has been observed."""
-    for j in range(16):
-        column[j] = p[16 * at + j]
-    for j in range(16):
-        error[j] += column[j] * (residual * inverse)
-    for i in range(0, 15, 5):
-        g0, g1, g2 = column[i] * inverse, column[i + 1] * inverse, column[i + 2] * inverse
-        g3, g4 = column[i + 3] * inverse, column[i + 4] * inverse
-        k = 16 * i
-        for j in range(16):
-            p[k + j] -= g0 * column[j]
-            p[k + 16 + j] -= g1 * column[j]
-            p[k + 32 + j] -= g2 * column[j]
-            p[k + 48 + j] -= g3 * column[j]
-            p[k + 64 + j] -= g4 * column[j]
-
-
-@_compiled
-def _pack(p, packed):
-    """Lower triangle, row by row."""
-    at = 0
-    for i in range(15):
-        for j in range(i + 1):
-            packed[at + j] = p[16 * i + j]
-        at += i + 1
-
-
-@_compiled
-def _unpack(packed, p):
-    at = 0
-    for i in range(15):
-        for j in range(i + 1):
-            p[16 * i + j] = packed[at + j]
-            p[16 * j + i] = packed[at + j]
-        at += i + 1
-
-
-@_compiled
-def _backward(
-    acc, gyr, still, upright, seen, dt, noise, zero_rate, sign, couple,
-    states, packed, mu_last, big_last, smoothed, smoothed_var,
-):  # fmt: skip
-    """Adjoint recursion: mu and big hold what later updates say of the state and how surely.
-
-    With P after a sample's updates, the smoothed error is P mu and its covariance P - P big P. All
-    updates observe single states, so going back over them only touches these states' rows:
-    mu += (residual - error) / R, big += D - D P big - (D P big)' - D (P - P big P) D, D = 1 / R.
-    """
-    p, big, known, block = np.zeros(256), np.zeros(256), np.zeros(256), np.zeros(256)
-    work, other, after = np.zeros(256), np.zeros(256), np.empty(16)
-    mu, was, error, variance = np.zeros(16), np.zeros(16), np.zeros(16), np.zeros(16)
-    blocks = np.empty((7, 3, 3))
-    at, weight, residual = np.empty(7, np.int64), np.empty(7), np.empty(7)
-    for i in range(15):
-        mu[i] = mu_last[i]
-        for j in range(15):
-            big[16 * i + j] = big_last[i, j]
-    _unpack(packed[len(acc)], p)
-    for k in range(len(acc), -1, -1):
-        _product_rows(mu, p, error, 0, 1)
-        x = smoothed[k]
-        x[:] = states[k]
-        _correct(x, error)
-        _product_rows(big, p, known, 0, 15)
-        for j in range(16):
-            variance[j] = p[17 * j]
-        for i in range(15):
-            for j in range(16):
-                variance[j] -= p[16 * i + j] * known[16 * i + j]
-        for j in range(15):
-            smoothed_var[k, j] = max(variance[j], 0.0)
-        if k == 0:
-            break
-        s, h = k - 1, dt[k - 1]
-        if still[s]:
-            count = 0
-            for m in range(3):
-                at[count], weight[count] = 9 + m, h / noise[4]
-                residual[count] = seen[s, m] - states[k, 7 + m]
-                count += 1
-            if upright[s]:
-                at[count], weight[count] = 8, h / noise[5]
-                residual[count] = seen[s, 3] - states[k, 6]
-                count += 1
-            if zero_rate:
-                for m in range(3):
-                    at[count], weight[count] = 3 + m, h / (noise[6] + noise[0])
-                    residual[count] = gyr[s, m] - states[k, 10 + m]
-                    count += 1
-            for a in range(count):
-                mu[at[a]] += weight[a] * (residual[a] - error[at[a]])
-                _product_rows(p, known, block, at[a], at[a] + 1)  # P big P
-            for a in range(count):
-                for j in range(15):
-                    change = weight[a] * known[16 * j + at[a]]
-                    big[16 * at[a] + j] -= change
-                    big[16 * j + at[a]] -= change
-            for a in range(count):
-                big[17 * at[a]] += weight[a]
-                for b in range(count):
-                    left = p[16 * at[a] + at[b]] - block[16 * at[a] + at[b]]
-                    big[16 * at[a] + at[b]] -= weight[a] * left * weight[b]
-        share = _share(still[s], zero_rate, noise)
-        _advance(states[s], acc[s], gyr[s], h, share, sign, couple, after, blocks)
-        _rows_back(blocks, h, big, work)
-        _transpose(work, other)
-        _unpack(packed[k - 1], p)  # here, as in _forward
-        _rows_back(blocks, h, other, big)
-        # Rounding makes big a little unsymmetric; the updates would let that grow without bound.
-        for i in range(15):
-            for j in range(i):
-                mean = (big[16 * i + j] + big[16 * j + i]) / 2
-                big[16 * i + j] = mean
-                big[16 * j + i] = mean
-        was[:] = mu
-        _vector_back(blocks, h, was, mu)
-
-
-@_compiled
-def _vector_back(blocks, dt, v, out):
-    """Transposed transition times a vector."""
-    qq, qb, vq, vb, va = blocks[0], blocks[1], blocks[2], blocks[3], blocks[4]
-    s0, s1, s2 = v[9] + dt / 2 * v[6], v[10] + dt / 2 * v[7], v[11] + dt / 2 * v[8]
-    for i in range(3):
-        out[i] = (
-            qq[0, i] * v[0] + qq[1, i] * v[1] + qq[2, i] * v[2]
-            + vq[0, i] * s0 + vq[1, i] * s1 + vq[2, i] * s2
-        )  # fmt: skip
-        out[3 + i] = (
-            v[3 + i] + qb[0, i] * v[0] + qb[1, i] * v[1] + qb[2, i] * v[2]
-            + vb[0, i] * s0 + vb[1, i] * s1 + vb[2, i] * s2
-        )  # fmt: skip
-        out[6 + i] = v[6 + i]
-        out[9 + i] = v[9 + i] + dt * v[6 + i]
-        out[12 + i] = v[12 + i] + va[0, i] * s0 + va[1, i] * s1 + va[2, i] * s2

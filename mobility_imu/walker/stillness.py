@@ -75,10 +75,12 @@ def find_stillness(
     def mean(values: FloatArray, seconds: float) -> FloatArray:
         return ndimage.uniform_filter1d(values, odd(seconds), axis=0, mode="nearest")
 
-    rate = np.linalg.norm(mean(gyr, settings.mean_s), axis=1)
-    smooth = mean(acc, settings.mean_s)
-    deviation = np.linalg.norm(smooth - mean(acc, settings.local_mean_s), axis=1)
-    quiet = (rate < settings.rate_radps) & (deviation < settings.acc_deviation_mps2)
+    def below(values: FloatArray, limit: float) -> NDArray[np.bool_]:
+        return np.asarray(np.einsum("ij,ij->i", values, values) < limit**2)
+
+    rate = mean(gyr, settings.mean_s)
+    deviation = mean(acc, settings.mean_s) - mean(acc, settings.local_mean_s)
+    quiet = below(rate, settings.rate_radps) & below(deviation, settings.acc_deviation_mps2)
     # An erosion by both lengths: the margin asks for quiet all around, the rest shortens.
     reach = 2 * round((settings.margin_s + settings.shorten_s) * sampling_rate_hz) + 1
     return np.asarray(ndimage.minimum_filter1d(quiet.astype(np.int8), reach, mode="nearest") > 0)
