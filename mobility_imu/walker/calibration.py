@@ -649,7 +649,7 @@ def navigate_recording(
     updates = int(path.nis_dof.sum())
     # What is wrong throughout a rest is measured by a stride's noise, less than a sample's.
     strides, samples = np.count_nonzero(path.nis_dof), np.count_nonzero(path.still)
-    nis = float(path.nis.sum()) / max(updates, 1) * strides / max(samples, 1)
+    nis = path.nis.sum() / updates * strides / samples if updates else 0.0
     if nis > MOST_NIS:
         excess = np.sqrt(nis)
         warnings.append(
