@@ -29,7 +29,7 @@ from mobility_imu.walker.navigation import (
     step_transition,
     strapdown_rates,
 )
-from mobility_imu.walker.stillness import find_stillness
+from mobility_imu.walker.stillness import find_stillness, runs_of
 
 DT = 0.01
 G = np.array([0.0, 0.0, STANDARD_GRAVITY_MPS2])
@@ -272,7 +272,18 @@ def test_strides_of_a_resting_frame_move_less_than_the_filter_knows(walked, rest
     assert np.median(sd) < 2e-3 and sd.max() < 0.15
 
 
-def test_strides_break_where_rest_begins_and_ends_and_samples_are_cut():
+def test_a_gap_shares_its_stride_with_nothing(walked):
+    """0.3 s without samples in the middle of a movement: there, too, strides change little."""
+    still = walked[3]
+    swing = max(runs_of(~still), key=lambda run: run.stop - run.start)
+    assert swing.stop - swing.start > 60
+    kept = np.r_[0 : swing.start + 19, swing.start + 49 : len(still)]
+    away, sd, smallest = departures([values[kept] for values in walked], 8, 4)
+    assert away < 0.1 * smallest
+    assert np.median(sd) < 2e-3 and sd.max() < 0.15
+
+
+def test_strides_break_where_rest_begins_and_ends_and_around_what_stands_alone():
     still = np.zeros(30, bool)
     still[7:19] = True
     cut = np.zeros(30, bool)

@@ -29,6 +29,8 @@ GRAVITY_MPS2 = np.array([0.0, 0.0, STANDARD_GRAVITY_MPS2])
 """The vector g of eq. 21. It must point up, or a resting accelerometer would read downward."""
 
 _DEG = float(np.deg2rad(1))
+LONG_INTERVAL = 1.5
+"""An interval of more than so many ordinary ones, a gap, shares its step with no other sample."""
 
 
 @dataclass(frozen=True)
@@ -438,7 +440,8 @@ def run_filter(
             f"cut {doubt.shape}, observed {seen.shape}: expected ({count},) and ({count}, 4)"
         )
     dt = _intervals(clock)
-    ends = recursion.stride_ends(at_rest, doubt, settings.moving_stride, settings.resting_stride)
+    alone = doubt | (dt > LONG_INTERVAL * np.median(dt))
+    ends = recursion.stride_ends(at_rest, alone, settings.moving_stride, settings.resting_stride)
     begins = np.concatenate([[0], ends[:-1]])
     length = np.add.reduceat(dt, begins)
     sizes = np.where(ends - begins == 1, recursion.STEP, recursion.CHAIN)

@@ -252,8 +252,8 @@ def interval_means(acc, gyr, dt, force, rate):
 
 
 @_compiled
-def stride_ends(still, cut, moving, resting):
-    """Where strides end; none holds still and moving, or cut and other samples.
+def stride_ends(still, alone, moving, resting):
+    """Where strides end; none holds still and moving samples, and some samples stand alone.
 
     Near the edges of a rest each sample is a stride: there the updates tell most.
     """
@@ -261,12 +261,12 @@ def stride_ends(still, cut, moving, resting):
     count, begin = 0, 0
     while begin < len(still):
         stop = begin + 1
-        while stop < len(still) and still[stop] == still[begin] and cut[stop] == cut[begin]:
+        while stop < len(still) and still[stop] == still[begin] and alone[stop] == alone[begin]:
             stop += 1
         k = begin
         while k < stop:
-            size = moving
-            if still[begin]:
+            size = 1 if alone[begin] else moving
+            if still[begin] and size > 1:
                 size = 1 if k < begin + resting else min(resting, max(1, stop - resting - k))
             k = min(k + size, stop)
             ends[count] = k
@@ -479,7 +479,7 @@ def forward(
         for i in range(places[g + 1] - places[g]):
             chains[places[g] + i] = chain[i]
         _rows(chain, h, other, p)
-        white = CUT_ACC_SD_MPS2**2 * h / (end - begin) if cut[begin] else noise[1]
+        white = CUT_ACC_SD_MPS2**2 * h if cut[begin] else noise[1]
         inner = h * h * h * (1 / 3 - 1 / (12 * (end - begin) ** 2))
         for i in range(3):
             p[17 * i] += noise[0] * share / 4 * h
