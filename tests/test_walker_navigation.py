@@ -292,6 +292,11 @@ def test_strides_break_where_rest_begins_and_ends_and_around_what_stands_alone()
     # 0-6 moving; 7-18 at rest, singly within 4 of its ends; 19-23 moving; 24 cut; 25-29 moving
     assert ends.tolist() == [4, 7, 8, 9, 10, 11, 15, 16, 17, 18, 19, 23, 24, 25, 29, 30]
     assert recursion.stride_ends(still, cut, 1, 1).tolist() == list(range(1, 31))
+    # Each setting is heeded without the other; rests are strided also if movements are not.
+    ends = recursion.stride_ends(still, cut, 1, 4)
+    assert ends.tolist() == [k for k in range(1, 31) if k not in (12, 13, 14)]
+    ends = recursion.stride_ends(still, cut, 4, 1)
+    assert ends.tolist() == [4, 7, *range(8, 20), 23, 24, 25, 29, 30]
     with pytest.raises(InputError, match="resting_stride = 0: expected a whole number from 1"):
         NavigationSettings(resting_stride=0)
 

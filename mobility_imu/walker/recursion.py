@@ -265,9 +265,12 @@ def stride_ends(still, alone, moving, resting):
             stop += 1
         k = begin
         while k < stop:
-            size = 1 if alone[begin] else moving
-            if still[begin] and size > 1:
-                size = 1 if k < begin + resting else min(resting, max(1, stop - resting - k))
+            size = 1
+            if not alone[begin]:
+                if not still[begin]:
+                    size = moving
+                elif k >= begin + resting:
+                    size = min(resting, max(1, stop - resting - k))
             k = min(k + size, stop)
             ends[count] = k
             count += 1
