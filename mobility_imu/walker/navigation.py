@@ -567,7 +567,7 @@ def _start(
     rest = slice(begin, begin + int(moving[0]) if len(moving) else len(still))
     force, rate = acc[rest].mean(axis=0), gyr[rest].mean(axis=0)
     up = force / np.linalg.norm(force)
-    turn = _shortest_turn_up(up)
+    turn, _ = Rotation.align_vectors([[0.0, 0.0, 1.0]], up[None])
     length = float(np.sum(_intervals(clock)[rest]))
     gyr_bias = rate if settings.initial_gyr_mean else np.zeros(3)
     bias_var = settings.gyr_bias_sd_radps**2
@@ -588,16 +588,8 @@ def _start(
     p[9:12, 9:12] = settings.velocity_noise**2 * np.eye(3)
     p[12:15, 12:15] = acc_var * np.eye(3)
     zero = np.zeros(3)
-    start = NavigationState(turn, zero, zero, gyr_bias, zero)
+    start = NavigationState(turn.as_quat(scalar_first=True), zero, zero, gyr_bias, zero)
     return start, p
-
-
-def _shortest_turn_up(up: FloatArray) -> FloatArray:
-    """Quaternion that turns a unit vector into z."""
-    if up[2] < -1 + 1e-9:  # upside down: any horizontal axis will do
-        return np.array([0.0, 1.0, 0.0, 0.0])
-    turn = np.array([1 + up[2], up[1], -up[0], 0.0])
-    return np.asarray(turn / np.linalg.norm(turn))
 
 
 def _joined(state: NavigationState) -> FloatArray:
