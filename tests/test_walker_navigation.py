@@ -502,5 +502,8 @@ def test_refuses_what_cannot_be_navigated():
         navigate(time[::-1], acc, gyr, still)
     with pytest.raises(InputError, match=r"expected \(n,\), \(n, 3\)"):
         navigate(time, acc[:-1], gyr, still)
+    start, p = random_state(1)[0], np.eye(15)
+    with pytest.raises(InputError, match=r"observed \(1, 4\): expected \(300,\) and \(300, 4\)"):
+        run_filter(time, acc, gyr, still, start, p, NavigationSettings(), observed=np.zeros((1, 4)))
     with pytest.raises(InputError, match="dynamics = 'other'"):
         NavigationSettings(dynamics="other")

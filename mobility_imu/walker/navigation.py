@@ -56,7 +56,8 @@ class NavigationSettings:
     dynamics : error dynamics, "corrected" or as "printed" in eq. 24
     moving_stride : 8, samples of a moving frame that share one step of the covariance
     resting_stride : 4, samples of a resting frame that share one, and one update at their end;
-        closer to the ends of a rest each has its own. With 1 and 1: the textbook's filter
+        closer to the ends of a rest each has its own. With 1 and 1: the textbook's filter. Gaps
+        and samples that are cut off always stand alone
     """
 
     gyr_noise_radps_sqrthz: float = 0.007 * _DEG
@@ -130,7 +131,7 @@ class Navigation(NamedTuple):
     position_m, velocity_mps : (n, 3) world
     gyr_bias_radps, acc_bias_mps2 : (n, 3) IMU's axes
     sd : (n, 15) standard deviations in the order of STATES; the attitude's are half angles, rad,
-        about the IMU's axes; inside a stride their squares are linear in time
+        about the IMU's axes; inside a stride their squares are linear from sample to sample
     still : (n,) bool
     nis : (n,) normalised innovation squared, summed over the updates of a sample
     nis_dof : (n,) int, number of these updates; 0 but at a stride's last sample
@@ -435,7 +436,7 @@ def run_filter(
     count = len(clock)
     doubt = np.zeros(count, np.bool_) if cut is None else np.asarray(cut, np.bool_)
     seen = np.zeros((1, 4)) if observed is None else np.ascontiguousarray(observed, float)
-    if doubt.shape != (count,) or seen.shape[1:] != (4,) or len(seen) not in (1, count):
+    if doubt.shape != (count,) or (observed is not None and seen.shape != (count, 4)):
         raise InputError(
             f"cut {doubt.shape}, observed {seen.shape}: expected ({count},) and ({count}, 4)"
         )
@@ -477,7 +478,7 @@ def _closing(
     states: FloatArray, packed: FloatArray, closed: ClosedLoop
 ) -> tuple[FloatArray, FloatArray]:
     """What a known end says of the last state: where the smoother starts."""
-    flat = recursion.aligned(1, 256)[0]
+    flat = np.zeros(256)
     recursion.unpack(packed, len(packed) - 1, flat)
     p = flat.reshape(16, 16)[:15, :15]
     first, last = (rotation_world_to_imu(states[k, :4]).T for k in (0, -1))  # IMU to world

@@ -234,7 +234,10 @@ def integrate(acc, gyr, still, dt, states):
 
 @_compiled
 def interval_means(acc, gyr, dt, force, rate):
-    """See :func:`mobility_imu.walker.navigation.interval_means`; force and rate begin as copies."""
+    """See :func:`mobility_imu.walker.navigation.interval_means`; force and rate begin as copies.
+
+    No recursion, but compiled: the temporaries of the array form cost a seventh of the filter.
+    """
     for k in range(1, len(acc) - 1):
         g0, g1, g2 = gyr[k, 0], gyr[k, 1], gyr[k, 2]
         a0, a1, a2 = acc[k, 0], acc[k, 1], acc[k, 2]
