@@ -24,7 +24,7 @@ import time  # noqa: E402
 import numpy as np  # noqa: E402
 from scipy.spatial.transform import Rotation  # noqa: E402
 
-from mobility_imu.reproduction.walker import pose_mount  # noqa: E402
+from mobility_imu.reproduction.walker.tables import pose_mount  # noqa: E402
 from mobility_imu.simulation.walker import (  # noqa: E402
     RECTANGLE,
     WalkStyle,

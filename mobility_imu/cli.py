@@ -784,8 +784,8 @@ def simulate_walker(
     import numpy as np
     import pandas as pd
 
-    from mobility_imu.reproduction.walker import pose_mount
-    from mobility_imu.reproduction.walker_study import LEVELS, tilt_run
+    from mobility_imu.reproduction.walker.studies import LEVELS, tilt_run
+    from mobility_imu.reproduction.walker.tables import pose_mount
     from mobility_imu.simulation import walker
 
     chosen = LEVELS[level.value.replace("-", " ")]

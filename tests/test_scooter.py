@@ -12,7 +12,11 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import wrap_angle
 from mobility_imu.reproduction.claims import check
 from mobility_imu.reproduction.published import load_published
-from mobility_imu.reproduction.scooter import compare_static_table, static_claims, static_table
+from mobility_imu.reproduction.scooter.static_table import (
+    compare_static_table,
+    static_claims,
+    static_table,
+)
 from mobility_imu.scooter import SUZUKI_ET4D, ScooterGeometry, estimate_angles
 from mobility_imu.scooter.angles import (
     angle_standard_deviations,

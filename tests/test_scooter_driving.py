@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mobility_imu.errors import InputError
-from mobility_imu.reproduction import scooter_driving as study
 from mobility_imu.reproduction.claims import check
+from mobility_imu.reproduction.scooter import driving as study
 from mobility_imu.scooter import SUZUKI_ET4D
 from mobility_imu.scooter.angles import estimate_angles, steering_angle
 from mobility_imu.scooter.driving import (

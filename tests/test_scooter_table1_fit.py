@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.reproduction.scooter import STEERING_POSITIONS_RAD, static_table
-from mobility_imu.reproduction.scooter_table1_fit import (
+from mobility_imu.reproduction.scooter.static_table import STEERING_POSITIONS_RAD, static_table
+from mobility_imu.reproduction.scooter.table1_fit import (
     MODELS,
     OTHER_MODELS,
     PARAMETERS,

@@ -11,9 +11,9 @@ from mobility_imu.plots.walker import (
     plot_pose_errors,
     plot_positions,
 )
-from mobility_imu.reproduction import walker
 from mobility_imu.reproduction.claims import check
-from mobility_imu.reproduction.walker import (
+from mobility_imu.reproduction.walker import tables as walker
+from mobility_imu.reproduction.walker.tables import (
     POSES,
     best_repair,
     closing_with_arm,

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.reproduction.walker import POSES, pose_mount
+from mobility_imu.reproduction.walker.tables import POSES, pose_mount
 from mobility_imu.simulation.sensor import IDEAL, MTI_1, without
 from mobility_imu.simulation.walker import (
     CORRIDOR,

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.reproduction.walker import POSES, pose_mount
+from mobility_imu.reproduction.walker.tables import POSES, pose_mount
 from mobility_imu.simulation.sensor import MTI_1, without
 from mobility_imu.simulation.walker import (
     CORRIDOR,

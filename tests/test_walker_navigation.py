@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
-from mobility_imu.reproduction.walker import pose_mount
-from mobility_imu.reproduction.walker_study import DATASHEET
+from mobility_imu.reproduction.walker.studies import DATASHEET
+from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
 from mobility_imu.walker import recursion
 from mobility_imu.walker.geometry import rotation_world_to_imu

@@ -28,7 +28,7 @@ from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.claims import check
 from mobility_imu.reproduction.published import load_published
-from mobility_imu.reproduction.wheelchair import claims, open_combinations, yaw_gain
+from mobility_imu.reproduction.wheelchair.sample import claims, open_combinations, yaw_gain
 from mobility_imu.simulation.wheelchair import (
     COURT,
     IDEAL,

@@ -10,7 +10,7 @@ import pytest
 from mobility_imu.data import SAMPLE_VARIABLE, sample_folder
 from mobility_imu.readers import read_recording
 from mobility_imu.readers.velocities import read_velocities
-from mobility_imu.reproduction.wheelchair import yaw_gain
+from mobility_imu.reproduction.wheelchair.sample import yaw_gain
 from mobility_imu.wheelchair import (
     TaskSettings,
     WheelchairGeometry,

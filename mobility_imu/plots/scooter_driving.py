@@ -353,7 +353,7 @@ def plot_p90(summaries: Mapping[str, pd.DataFrame], courses: Sequence[str]) -> F
 
     Parameters
     ----------
-    summaries : name of the mounting to what ``reproduction.scooter_driving.summary`` gives
+    summaries : name of the mounting to what ``reproduction.scooter.driving.summary`` gives
     courses : in the order of the horizontal axis
 
     Returns

@@ -287,7 +287,7 @@ def plot_controls(controls: pd.DataFrame) -> Figure:
 
     Parameters
     ----------
-    controls : what ``reproduction.scooter_table1_fit.shuffle_controls`` gives
+    controls : what ``reproduction.scooter.table1_fit.shuffle_controls`` gives
 
     Returns
     -------

@@ -10,6 +10,11 @@ from typing import Any
 from mobility_imu.reproduction.claims import Claim, Outcome, check
 
 WORKS = ("scooter", "wheelchair", "walker")
+MODULES = {
+    "scooter": "mobility_imu.reproduction.scooter.static_table",
+    "wheelchair": "mobility_imu.reproduction.wheelchair.sample",
+    "walker": "mobility_imu.reproduction.walker.tables",
+}
 
 
 def all_claims(work: str | None = None) -> list[Claim]:
@@ -17,7 +22,7 @@ def all_claims(work: str | None = None) -> list[Claim]:
     found: list[Claim] = []
     for name in WORKS:
         if work in (None, name):
-            found += importlib.import_module(f"mobility_imu.reproduction.{name}").claims()
+            found += importlib.import_module(MODULES[name]).claims()
     return found
 
 

@@ -3,7 +3,7 @@
 No recording is public. Rides are simulated with assumptions fixed beforehand, so what comes out is
 a distribution over scooters that the paper's could have been, never a copy of the paper's one.
 
-``python -m mobility_imu.reproduction.scooter_driving`` runs the whole study on two processes.
+``python -m mobility_imu.reproduction.scooter.driving`` runs the whole study on two processes.
 """
 
 from __future__ import annotations
@@ -561,7 +561,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     import pandas as pd
 
-    parser = argparse.ArgumentParser(prog="python -m mobility_imu.reproduction.scooter_driving")
+    parser = argparse.ArgumentParser(prog="python -m mobility_imu.reproduction.scooter.driving")
     parser.add_argument("--scooters", type=int, default=20, help="how many to draw")
     parser.add_argument("--drivers", type=int, default=DRIVERS)
     parser.add_argument("--runs", type=int, default=RUNS, help="per driver and course")

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.reproduction.scooter import (
+from mobility_imu.reproduction.scooter.static_table import (
     COLUMNS,
     ROWS,
     SLOPE_RAD,

@@ -138,7 +138,7 @@ def compare_static_table(ours: pd.DataFrame | None = None) -> pd.DataFrame:
 
 def claims() -> list[Claim]:
     """Give the paper's checkable numbers: those of the static test, then those of driving."""
-    from mobility_imu.reproduction.scooter_driving import driving_claims
+    from mobility_imu.reproduction.scooter.driving import driving_claims
 
     return [*static_claims(), *driving_claims()]
 

@@ -194,7 +194,7 @@ def printed_average(table: Literal[2, 3, 4], column: str, pose: str | None = Non
 
 def claims() -> list[Claim]:
     """Printed averages and matrices against what the printed rows give, and simulated runs."""
-    from mobility_imu.reproduction.walker_study import synthetic_claims
+    from mobility_imu.reproduction.walker.studies import synthetic_claims
 
     walker = partial(Claim, work="walker", basis="published numbers recomputed")
     digit = partial(walker, unit="m", tolerance=1e-4, tolerance_reason=ROUNDING)

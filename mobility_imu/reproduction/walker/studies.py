@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.reproduction.claims import Claim
-from mobility_imu.reproduction.walker import POSES, pose_mount
+from mobility_imu.reproduction.walker.tables import POSES, pose_mount
 from mobility_imu.simulation.sensor import MTI_1, SensorModel, without
 from mobility_imu.simulation.walker import (
     CORRIDOR,

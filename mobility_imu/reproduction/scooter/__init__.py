@@ -1,0 +1,1 @@
+"""Suzurikawa et al. 2022: the static test, the fit of Table 1, the driving test."""

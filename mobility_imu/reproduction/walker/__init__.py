@@ -1,0 +1,1 @@
+"""Doan & Pham: the tables by their own arithmetic, and their experiments simulated."""
