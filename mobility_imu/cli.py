@@ -837,15 +837,27 @@ def simulate_walker(
 def reproduce(
     work: Annotated[Work | None, typer.Option(help="Only one of the works.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="JSON instead of a table.")] = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="All rows of the table, not only those that differ.")
+    ] = False,
 ) -> None:
-    """The scorecard: published numbers beside ours, computed now, with a verdict."""
+    """The scorecard: what the works print beside our numbers, with a verdict."""
+    from rich.console import Console
+    from rich.progress import Progress
+
     from mobility_imu.reproduction.scorecard import print_scorecard, scorecard, to_records
 
-    outcomes = scorecard(work.value if work else None)
+    # Rich draws the bar on a terminal only, so a log file stays clean.
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("computing", total=None)
+        outcomes = scorecard(
+            work.value if work else None,
+            progress=lambda done, of: bar.update(task, completed=done, total=of),
+        )
     if as_json:
         typer.echo(json.dumps(to_records(outcomes), indent=2, ensure_ascii=False))
     else:
-        print_scorecard(outcomes)
+        print_scorecard(outcomes, everything=everything)
 
 
 @contextmanager

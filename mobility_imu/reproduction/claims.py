@@ -1,70 +1,177 @@
-"""One published number, how we get ours, and when the two agree."""
+"""One statement of a work, how we get our number for it, and what comes out.
+
+Two columns are kept apart. *Published* is what the work prints, digit by digit, and each such row
+names the table's cell or quotes the sentence. *Reference* is what a number has to be for another
+reason: what the public tool answered, 1 for a ratio that should be 1, a count of ours.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
+from mobility_imu.errors import InputError
+
+Work = Literal["scooter", "wheelchair", "walker"]
 Basis = Literal[
     "published numbers recomputed",
-    "reproduced by geometry alone",
-    "reproduced on real data",
-    "reproduced on synthetic data",
+    "computed by geometry alone",
+    "computed on the public sample",
+    "computed on simulated data",
     "not reproducible",
 ]
-Verdict = Literal["agrees", "differs", "not reproducible"]
+BASES: tuple[Basis, ...] = (
+    "published numbers recomputed",
+    "computed by geometry alone",
+    "computed on the public sample",
+    "computed on simulated data",
+    "not reproducible",
+)
+Why = Literal[
+    "the print contradicts itself",
+    "the printed equation is not right",
+    "our assumptions do not explain it",
+]
+Verdict = Literal["agrees", "differs", "not reproducible", "needs the sample"]
+VERDICTS: tuple[Verdict, ...] = ("agrees", "differs", "not reproducible", "needs the sample")
 
 
-@dataclass(frozen=True)
+class Cell(NamedTuple):
+    """A printed cell, as :func:`mobility_imu.reproduction.published.load_published` has it.
+
+    Parameters
+    ----------
+    table : name of the published table
+    row, column, quantity : of the cell
+    """
+
+    table: str
+    row: str
+    column: str
+    quantity: str
+
+
+class Quotation(NamedTuple):
+    """A passage of the text, at least 25 characters, word for word.
+
+    Parameters
+    ----------
+    text : contains the published number as printed, if there is one
+    """
+
+    text: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class Claim:
-    """A published number with the computation that checks it.
+    """A statement of a work with the computation that checks it.
 
     Parameters
     ----------
     work : "scooter", "wheelchair" or "walker"
     where : place in the source, as in "Table 1, single IMU, 2-a"
     what : the quantity, in a few words
-    published_value : the number as printed
-    unit : its unit
-    basis : what kind of check this is
-    compute : gives our number; called when asked, never stored
-    tolerance : largest difference that counts as agreement, fixed before any run
-    tolerance_reason : why it is this large
+    unit : of all numbers of the row
+    basis : what our number rests on
+    source : Cell or Quotation that prints the statement; None if nothing is printed
+    published : the number as printed, "" if the statement has none or nothing is printed
+    reference : what the number has to be, if that is not printed; None otherwise
+    reference_from : where the reference comes from
+    compute : gives our number; called when asked, never stored; None if it cannot be had
+    n : how many values, readings, frames or runs our number rests on
+    tolerance : largest difference that counts as agreement
+    tolerance_reason : why it is this large; says so where it was chosen with a result in view
+    why : the reason, if our number differs
+    reason : why there is no number of ours, for "not reproducible"
+    trivial : what a trivial model gives, NaN where that tells nothing
+    trivial_model : which model that is
+    experiment : whether the statement is about what was measured in the work's experiment
+    finding : id of the finding that explains a difference, "" if none
+    needs_sample : whether the computation reads the public sample
     """
 
-    work: str
+    work: Work
     where: str
     what: str
-    published_value: float
     unit: str
     basis: Basis
-    compute: Callable[[], float] | None
-    tolerance: float
-    tolerance_reason: str
+    source: Cell | Quotation | None = None
+    published: str = ""
+    reference: float | None = None
+    reference_from: str = ""
+    compute: Callable[[], float] | None = None
+    n: int = 1
+    tolerance: float = 0.0
+    tolerance_reason: str = ""
+    why: Why = "our assumptions do not explain it"
+    reason: str = ""
+    trivial: float = math.nan
+    trivial_model: str = ""
+    experiment: bool = False
+    finding: str = ""
+    needs_sample: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse a row that does not say what it compares."""
+        if (self.compute is None) != (self.basis == "not reproducible"):
+            raise InputError(f"{self.where}: a basis and a computation go together")
+        if self.compute is None:
+            if not self.reason:
+                raise InputError(f"{self.where}: say why it is not reproducible")
+            return
+        if bool(self.published) == (self.reference is not None):
+            raise InputError(f"{self.where}: give what is published or a reference, one of them")
+        if self.published and self.source is None:
+            raise InputError(f"{self.where}: {self.published} without its cell or quotation")
+        if self.reference is not None and not self.reference_from:
+            raise InputError(f"{self.where}: a reference of unknown origin")
+        if not self.tolerance_reason:
+            raise InputError(f"{self.where}: a tolerance without a reason")
+
+    @property
+    def target(self) -> float:
+        """Number that ours is held against."""
+        return float(self.published) if self.published else float(self.reference or 0.0)
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """A claim with our number beside it."""
+    """A claim with our number beside it.
+
+    Parameters
+    ----------
+    claim : Claim
+    ours : our number, NaN if it could not be had
+    """
 
     claim: Claim
     ours: float
 
     @property
     def difference(self) -> float:
-        """Ours minus published."""
-        return self.ours - self.claim.published_value
+        """Ours minus published or reference."""
+        return math.nan if self.claim.compute is None else self.ours - self.claim.target
 
     @property
     def verdict(self) -> Verdict:
         """Agreement within the tolerance (and a rounding of the last float digit)."""
-        if self.claim.compute is None or math.isnan(self.ours):
+        if self.claim.compute is None:
             return "not reproducible"
-        return "agrees" if abs(self.difference) <= self.claim.tolerance + 1e-9 else "differs"
+        if math.isnan(self.ours):
+            return "needs the sample" if self.claim.needs_sample else "not reproducible"
+        return "agrees" if self._near(self.ours) else "differs"
+
+    @property
+    def trivial_agrees(self) -> bool:
+        """Whether the trivial model would have agreed as well."""
+        return not math.isnan(self.claim.trivial) and self._near(self.claim.trivial)
+
+    def _near(self, value: float) -> bool:
+        return abs(value - self.claim.target) <= self.claim.tolerance + 1e-9
 
 
 def check(claim: Claim) -> Outcome:
-    """Compute our number for a claim."""
+    """Our number for a claim, computed now."""
     return Outcome(claim, math.nan if claim.compute is None else float(claim.compute()))

@@ -1,0 +1,235 @@
+"""Results too long for a page: computed once, kept with command, seed, versions and checksums.
+
+``python -m mobility_imu.reproduction.recorded`` (``make record``) renews all of them, or those that
+are named. A record is stale when code that it depends on has changed since: :func:`is_stale`.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import importlib
+import json
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from mobility_imu.data import DATA
+from mobility_imu.errors import InputError
+
+RECORDED_DIR = DATA / "recorded"
+PACKAGE = Path(__file__).resolve().parents[1]
+
+
+class Study(NamedTuple):
+    """How a record is made.
+
+    Parameters
+    ----------
+    module : where the study lives; its code and that of all it imports decide staleness
+    function : takes ``executor`` and gives the numbers, as JSON wants them; None if what it needs
+        (a recording that may not be passed on) is not there
+    seed : what the random numbers start from, in words
+    inputs : names of the files that it reads, to be checked by their sums
+    """
+
+    module: str
+    function: str
+    seed: str
+    inputs: tuple[str, ...] = ()
+
+
+STUDIES: dict[str, Study] = {
+    "scooter_driving": Study(
+        "mobility_imu.reproduction.scooter.driving_record",
+        "driving_record",
+        "scooters 0 to 19; each ride's seed is made from scooter, course, driver and run",
+    ),
+    "wheelmove_sample": Study(
+        "mobility_imu.reproduction.wheelchair.sample_study",
+        "study",
+        "none: nothing is drawn",
+    ),
+    "walker_walks": Study(
+        "mobility_imu.reproduction.walker.walks",
+        "walker_walks",
+        "0 to 19, and 0 to 3 for one source of error at a time",
+        ("walker_table1.csv",),
+    ),
+}
+"""Every record by its name."""
+
+
+def load_record(name: str) -> dict[str, Any]:
+    """One record, as ``data/recorded/<name>.json`` has it.
+
+    Parameters
+    ----------
+    name : a key of :data:`STUDIES`
+
+    Returns
+    -------
+    dict
+        ``numbers`` (what the study gave), ``command``, ``seed``, ``versions``, ``inputs`` (SHA-256
+        by name), ``code`` (digest of the code), ``date``.
+
+    Raises
+    ------
+    InputError
+        If there is no such record.
+    """
+    path = RECORDED_DIR / f"{name}.json"
+    if name not in STUDIES or not path.is_file():
+        raise InputError(f"record {name!r}: no such record; there are {', '.join(STUDIES)}")
+    return json.loads(path.read_text())
+
+
+def numbers(name: str) -> Any:
+    """Numbers of one record; see :func:`load_record`."""
+    return load_record(name)["numbers"]
+
+
+def write_record(name: str, executor: Any = None) -> Path | None:
+    """Run a study and keep what it gave.
+
+    Parameters
+    ----------
+    name : a key of :data:`STUDIES`
+    executor : anything with ``submit``; None computes here
+
+    Returns
+    -------
+    Path of the record, or None if the study could not run for want of its recording
+    """
+    from datetime import date
+
+    study = STUDIES[name]
+    found = getattr(importlib.import_module(study.module), study.function)(executor)
+    if found is None:
+        return None
+    record = {
+        "numbers": found["numbers"],
+        "command": f"python -m mobility_imu.reproduction.recorded {name}",
+        "seed": study.seed,
+        "versions": _versions(),
+        "inputs": found.get("inputs", {}),
+        "code": code_digest(study.module),
+        "date": date.today().isoformat(),
+    }
+    RECORDED_DIR.mkdir(exist_ok=True)
+    path = RECORDED_DIR / f"{name}.json"
+    part = path.with_suffix(".part")
+    part.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+    part.replace(path)
+    return path
+
+
+def is_stale(name: str) -> bool:
+    """Whether the code behind a record has changed since the record was made."""
+    return bool(load_record(name)["code"] != code_digest(STUDIES[name].module))
+
+
+def code_digest(module: str) -> str:
+    """Digest of the code that a module depends on, within this package.
+
+    Definitions count, not where they stand: moving a function from file to file, another comment
+    or docstring changes nothing.
+
+    Parameters
+    ----------
+    module : dotted name
+
+    Returns
+    -------
+    str of 16 hexadecimal digits
+    """
+    definitions = sorted(text for path in sorted(_closure(module)) for text in _definitions(path))
+    return hashlib.sha256("\n".join(definitions).encode()).hexdigest()[:16]
+
+
+def _closure(module: str) -> set[Path]:
+    """Files of this package that a module imports, directly or through others."""
+    waiting, seen = [module], set()
+    while waiting:
+        path = _file(waiting.pop())
+        if path is None or path in seen:
+            continue
+        seen.add(path)
+        waiting += _imports(path)
+    return seen
+
+
+def _file(module: str) -> Path | None:
+    parts = module.split(".")[1:]
+    for path in (
+        PACKAGE.joinpath(*parts).with_suffix(".py"),
+        PACKAGE.joinpath(*parts, "__init__.py"),
+    ):
+        if path.is_file():
+            return path
+    return None
+
+
+@cache
+def _imports(path: Path) -> tuple[str, ...]:
+    found = []
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mobility_imu"):
+            assert node.module is not None
+            found += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return tuple(found)
+
+
+@cache
+def _definitions(path: Path) -> tuple[str, ...]:
+    return tuple(_dumped(ast.parse(path.read_text())))
+
+
+def _dumped(tree: ast.Module) -> Iterator[str]:
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):
+            kept = [
+                part
+                for part in body
+                if not isinstance(part, ast.Import | ast.ImportFrom)
+                and not (isinstance(part, ast.Expr) and isinstance(part.value, ast.Constant))
+            ]
+            node.body = kept or [ast.Pass()]  # type: ignore[attr-defined]
+    for node in tree.body:
+        yield ast.dump(node)
+
+
+def _versions() -> dict[str, str]:
+    import platform
+    from importlib.metadata import version
+
+    return {
+        "python": platform.python_version(),
+        **{name: version(name) for name in ("numpy", "scipy", "pandas")},
+    }
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Renew records from the command line."""
+    import argparse
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    parser = argparse.ArgumentParser(prog="python -m mobility_imu.reproduction.recorded")
+    parser.add_argument("names", nargs="*", help=f"of {', '.join(STUDIES)}; none is all of them")
+    parser.add_argument("--workers", type=int, default=2, help="processes")
+    given = parser.parse_args(arguments)
+    unknown = set(given.names) - set(STUDIES)
+    if unknown:
+        parser.error(f"no such record: {', '.join(sorted(unknown))}")
+    # New processes, not copies of this one: works alike on every system.
+    with ProcessPoolExecutor(given.workers, mp_context=get_context("spawn")) as pool:
+        for name in given.names or STUDIES:
+            path = write_record(name, pool)
+            print(f"{name}: {path or 'not renewed, its recording is not there'}")
+
+
+if __name__ == "__main__":
+    main()
