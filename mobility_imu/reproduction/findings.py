@@ -1,0 +1,188 @@
+"""What we found in the works beside their numbers: contradictions, errors, ambiguities, silences.
+
+The findings are data, ``findings.toml``; pages, counts and tests are made from it. Each has a check
+that gives numbers, so that the finding can turn out wrong.
+"""
+
+from __future__ import annotations
+
+import importlib
+import math
+import re
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Literal, NamedTuple, get_args
+
+from mobility_imu.errors import InputError
+from mobility_imu.reproduction.claims import Work
+
+Kind = Literal["contradiction", "error", "ambiguity", "silence", "our copy"]
+KINDS: dict[Kind, str] = {
+    "contradiction": "two printed things cannot both hold",
+    "error": "one reading, and it is wrong",
+    "ambiguity": "two readings, and the text does not decide",
+    "silence": "the text does not say, and it matters",
+    "our copy": "a single token: our text copy may be at fault, not the print",
+}
+"""Kinds of findings and what each means."""
+
+
+class Evidence(NamedTuple):
+    """Numbers that a finding stands or falls with.
+
+    Parameters
+    ----------
+    what : the quantity, in words
+    first_from, first : what it is from (the print, or one reading), and the number
+    second_from, second : the same for the corrected form, the other passage or reading
+    truth : what it has to be, NaN if nobody knows
+    tolerance : differences up to this do not count
+    unit : of all numbers
+    """
+
+    what: str
+    first_from: str
+    first: float
+    second_from: str
+    second: float
+    truth: float = math.nan
+    tolerance: float = 0.0
+    unit: str = ""
+
+    def holds(self) -> bool:
+        """Whether the numbers bear the finding out.
+
+        With a known truth: the second has it and the first has not. Without: the two differ.
+        """
+        if math.isnan(self.truth):
+            return abs(self.first - self.second) > self.tolerance
+        return (
+            abs(self.first - self.truth) > self.tolerance
+            and abs(self.second - self.truth) <= self.tolerance
+        )
+
+    def inverted(self) -> Evidence:
+        """The same with the claimed relation the other way round; it must not hold."""
+        if math.isnan(self.truth):
+            return self._replace(first=self.second)
+        return self._replace(first=self.second, second=self.first)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One finding.
+
+    Parameters
+    ----------
+    id : letter of the work and a number
+    work : "scooter", "wheelchair" or "walker"
+    title : what it is about, without a judgement
+    place : equation, section, table or figure
+    kind : see :data:`KINDS`
+    quotation : passages of the work, word for word, as our text copy has them
+    reading : the reading in which the authors are right, and what else the words allow
+    verdict : what we conclude
+    settles : what would settle it
+    consequence : what it changes for a user
+    chapters : pages of the book that go into it
+    check : dotted name of the function that gives the :class:`Evidence`
+    """
+
+    id: str
+    work: Work
+    title: str
+    place: str
+    kind: Kind
+    quotation: tuple[str, ...]
+    reading: str
+    verdict: str
+    settles: str
+    consequence: str
+    chapters: tuple[str, ...]
+    check: str
+
+    def evidence(self) -> tuple[Evidence, ...]:
+        """Numbers of the finding's check, computed now."""
+        return self.function()()
+
+    def function(self) -> Callable[[], tuple[Evidence, ...]]:
+        """Function that computes the evidence."""
+        module, _, name = self.check.rpartition(".")
+        return getattr(importlib.import_module(module), name)  # type: ignore[no-any-return]
+
+
+@cache
+def findings(work: Work | None = None) -> tuple[Finding, ...]:
+    """All findings, or those of one work, in the order of the file.
+
+    Parameters
+    ----------
+    work : "scooter", "wheelchair", "walker" or None
+
+    Returns
+    -------
+    tuple of Finding
+
+    Raises
+    ------
+    InputError
+        If an entry lacks a field or has a kind that does not exist.
+
+    Examples
+    --------
+    >>> sorted({finding.work for finding in findings()})
+    ['scooter', 'walker', 'wheelchair']
+    """
+    path = Path(__file__).with_name("findings.toml")
+    entries = tomllib.loads(path.read_text(encoding="utf-8"))["finding"]
+    found = []
+    for entry in entries:
+        given = {key: tuple(v) if isinstance(v, list) else v for key, v in entry.items()}
+        try:
+            finding = Finding(**given)
+        except TypeError as error:
+            raise InputError(f"{path.name}, {entry.get('id', '?')}: {error}") from None
+        if finding.kind not in KINDS:
+            raise InputError(f"{path.name}, {finding.id}: no kind {finding.kind!r}")
+        found.append(finding)
+    return tuple(f for f in found if work in (None, f.work))
+
+
+def quoted(finding_id: str, pattern: str) -> float:
+    """Number in a finding's quotations: first group of a regular expression.
+
+    Parameters
+    ----------
+    finding_id : as in the file
+    pattern : regular expression with one group
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If the quotations have no such number.
+
+    Examples
+    --------
+    >>> quoted("S1", "lower than ([0-9]+)°")
+    10.0
+    """
+    text = " ".join(next(f for f in findings() if f.id == finding_id).quotation)
+    found = re.search(pattern, text)
+    if found is None:
+        raise InputError(f"{finding_id}: no {pattern!r} in its quotations")
+    return float(found[1])
+
+
+def counts() -> dict[Work, dict[Kind, int]]:
+    """Number of findings by work and kind."""
+    return {
+        work: {kind: sum(f.kind == kind for f in findings(work)) for kind in KINDS}
+        for work in get_args(Work)
+    }
