@@ -10,7 +10,14 @@ from docutils.statemachine import StringList
 from sphinx.util.docutils import SphinxDirective
 
 INDEX = Path(__file__).resolve().parents[1] / "equations.yml"
-VERDICT = {"right": "right", "typo": "**misprint**", "ambiguous": "*ambiguous*"}
+VERDICT = {
+    "right": "right",
+    "error": "**not right**",
+    "contradiction": "**contradicts** another place",
+    "ambiguous": "*ambiguous*",
+    "silent": "*silent*",
+    "copy": "*our copy*",
+}
 
 
 class EquationIndex(SphinxDirective):
