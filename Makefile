@@ -2,24 +2,24 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
-JB     := build . --all --config book/_config.yml --toc book/_toc.yml -W -n --keep-going
-CODE   := $(shell find mobility_imu data book/_ext -type f -not -path '*/__pycache__/*')
+SOURCE := _build/source
+JB     := build $(SOURCE) --path-output . --all --config $(SOURCE)/book/_config.yml \
+          --toc $(SOURCE)/book/_toc.yml -W -n --keep-going
 BOOKS  := $(shell find notebooks -name '*.ipynb' -not -path '*/.ipynb_checkpoints/*')
 
-.PHONY: book test lint lab bench lock clean help
+.PHONY: book test lint lab bench record lock clean help
 help:                     ## list the commands
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 10
 
-book: _build/.source      ## set up, execute every notebook, build the HTML strictly
+# Each notebook runs once, for pages and tests alike; only what a change can reach runs again.
+book: $(VENV)/.installed  ## set up, execute what changed, build the HTML strictly
+	$(BIN)/python book/execute.py --assemble
 	$(BIN)/jupyter-book $(JB)
 	@echo; echo "The book is at file://$(CURDIR)/_build/html/index.html"
 
-# The execution cache sees only a notebook's own cells: forget it when package or data change.
-_build/.source: $(VENV)/.installed $(CODE)
-	rm -rf _build && mkdir -p _build && touch $@
-
-test: $(VENV)/.installed  ## set up, run every test, doctest and notebook
-	$(BIN)/python -m pytest -n 2 --nbmake --nbmake-timeout=300 tests mobility_imu notebooks book/index.ipynb
+test: $(VENV)/.installed  ## set up, run every test and doctest, and the notebooks that changed
+	$(BIN)/python book/execute.py
+	$(BIN)/python -m pytest -n 2 tests mobility_imu
 
 lint: $(VENV)/.installed  ## style, types, spelling, stripped notebooks
 	$(BIN)/ruff check .
@@ -40,6 +40,9 @@ $(VENV)/gaitmap/.installed: benchmarks/requirements-gaitmap.txt
 	$(PYTHON) -m venv $(VENV)/gaitmap
 	$(VENV)/gaitmap/bin/python -m pip install --disable-pip-version-check --quiet -r $<
 	touch $@
+
+record: $(VENV)/.installed ## compute again what data/recorded keeps (an hour)
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m mobility_imu.reproduction.recorded
 
 lock: $(VENV)/.installed  ## renew constraints.txt from this environment
 	$(BIN)/python -m pip freeze --exclude-editable > constraints.txt

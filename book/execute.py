@@ -1,0 +1,229 @@
+"""Run each notebook once, for the tests and for the book alike.
+
+Copies under ``_build/executed`` are run by pytest and nbmake on all cores and keep their outputs.
+A copy is run again only if its notebook, a module that it can reach or data that these name have
+changed. ``--assemble`` then lays the sources of the book beside each other in ``_build/source``.
+
+    python book/execute.py [--assemble] [NOTEBOOK ...]
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import hashlib
+import json
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from datetime import datetime
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+EXECUTED = ROOT / "_build" / "executed"
+SOURCE = ROOT / "_build" / "source"
+PACKAGE = ROOT / "mobility_imu"
+DATA = ROOT / "data"
+TIMEOUT_S = 300
+VARIABLES = ("MOBILITY_IMU_DATA",)
+"""Environment variables that change what a notebook computes."""
+
+
+def notebooks() -> list[Path]:
+    """All notebooks of the book, relative to the project."""
+    found = [*(ROOT / "notebooks").rglob("*.ipynb"), *(ROOT / "book").glob("*.ipynb")]
+    return sorted(p.relative_to(ROOT) for p in found if ".ipynb_checkpoints" not in p.parts)
+
+
+def code_of(notebook: Path) -> str:
+    """Code of a notebook; lines for IPython only are left out."""
+    cells = json.loads((ROOT / notebook).read_text())["cells"]
+    lines = "\n".join("".join(c["source"]) for c in cells if c["cell_type"] == "code")
+    return re.sub(r"^\s*[%!].*$", "", lines, flags=re.MULTILINE)
+
+
+def imported(code: str) -> set[str]:
+    """Modules of the package that some code imports, anywhere in it."""
+    found = set()
+    for node in ast.walk(ast.parse(code)):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            found |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            # Modules that are imported by their name, such as those of the studies.
+            found |= {node.value} if re.fullmatch(r"mobility_imu(\.\w+)+", node.value) else set()
+    return {name for name in found if name.startswith("mobility_imu")}
+
+
+@cache
+def file_of(module: str) -> Path | None:
+    """File of a module, None if the name is not one of a module."""
+    place = PACKAGE.joinpath(*module.split(".")[1:])
+    for path in (place.with_suffix(".py"), place / "__init__.py"):
+        if path.is_file():
+            return path
+    return None
+
+
+@cache
+def reach_of(path: Path) -> frozenset[Path]:
+    """Files of the package that a file imports."""
+    text = path.read_text()
+    files = {file_of(name) for name in imported(text)}
+    if "import_module(" in text:  # by a name that is made when it runs: all that stand beside it
+        files |= set(path.parent.rglob("*.py"))
+    # A package is imported before its modules.
+    parents = {parent / "__init__.py" for file in files if file for parent in file.parents}
+    return frozenset(f for f in files | parents if f and f.is_file() and PACKAGE in f.parents)
+
+
+def modules_reached(notebook: Path) -> set[Path]:
+    """Files of the package that a notebook can reach."""
+    code = code_of(notebook)
+    names = imported(code)
+    if "mobility-imu" in code:
+        names.add("mobility_imu.cli")
+    waiting = {file for name in names if (file := file_of(name))}
+    seen: set[Path] = set()
+    while waiting:
+        file = waiting.pop()
+        if file not in seen:
+            seen.add(file)
+            waiting |= reach_of(file)
+    return seen
+
+
+def data_reached(notebook: Path, modules: set[Path]) -> list[Path]:
+    """Data files in the folders that a notebook or its modules name."""
+    text = code_of(notebook) + "".join(m.read_text() for m in modules)
+    folders = [f for f in DATA.iterdir() if f.is_dir() and f'"{f.name}"' in text]
+    inside = [p for folder in folders for p in folder.rglob("*") if p.is_file()]
+    beside = [p for m in modules for p in m.parent.glob("*.toml")]
+    return sorted({*inside, *beside})
+
+
+def key_of(notebook: Path) -> str:
+    """Digest of all that a notebook's outputs depend on."""
+    modules = modules_reached(notebook)
+    files = [ROOT / notebook, *sorted(modules), *data_reached(notebook, modules)]
+    digest = hashlib.sha256()
+    for path in [*files, ROOT / "constraints.txt"]:
+        digest.update(str(path.relative_to(ROOT)).encode())
+        digest.update(path.read_bytes())
+    for name in VARIABLES:
+        digest.update(f"{name}={os.environ.get(name, '')}".encode())
+    digest.update(platform.python_version().encode())
+    return digest.hexdigest()
+
+
+def is_current(notebook: Path) -> bool:
+    """Whether the executed copy has what the sources would give now."""
+    copy = EXECUTED / notebook
+    mark = copy.with_suffix(".key")
+    return copy.is_file() and mark.is_file() and mark.read_text() == key_of(notebook)
+
+
+def execute(chosen: list[Path]) -> int:
+    """Run the copies that are not current; pytest's exit code, 0 if there is nothing to do."""
+    stale = {n: key_of(n) for n in chosen if not is_current(n)}
+    print(f"notebooks: {len(chosen) - len(stale)} current, {len(stale)} to run", flush=True)
+    if not stale:
+        return 0
+    # Longest first, so that no core waits at the end for a long one.
+    order = sorted(stale, key=lambda n: -seconds_of(EXECUTED / n))
+    # One thread for each kernel: the kernels share the cores.
+    environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
+    begun = time.time()
+    # nbmake passes over whatever lies in a folder named _build: run elsewhere, then move.
+    with tempfile.TemporaryDirectory(prefix="notebooks-") as folder:
+        room = Path(folder)
+        for notebook in stale:
+            (room / notebook).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(ROOT / notebook, room / notebook)
+        code = subprocess.run(
+            [
+                *(sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"),
+                *("-c", os.devnull, "--rootdir", folder, "--durations=5"),
+                *("-n", str(os.cpu_count() or 1), "--dist", "worksteal"),
+                *("--nbmake", f"--nbmake-timeout={TIMEOUT_S}", "--overwrite"),
+                *(str(room / n) for n in order),
+            ],
+            cwd=folder,
+            env=environment,
+        ).returncode
+        for notebook, key in stale.items():
+            keep(room / notebook, EXECUTED / notebook, key)
+    kernel = sum(seconds_of(EXECUTED / n) for n in chosen)
+    print(
+        f"notebooks: {time.time() - begun:.0f} s; all kernels together {kernel:.0f} s", flush=True
+    )
+    return code
+
+
+def keep(ran: Path, copy: Path, key: str) -> None:
+    """Put an executed notebook in its place, with its key if it ran to the end."""
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    copy.with_suffix(".key").unlink(missing_ok=True)
+    shutil.copyfile(ran, copy)
+    if finished(copy):
+        copy.with_suffix(".key").write_text(key)
+
+
+def finished(copy: Path) -> bool:
+    """Whether every code cell of an executed copy ran without an error."""
+    cells = [c for c in json.loads(copy.read_text())["cells"] if c["cell_type"] == "code"]
+    ran = all(c.get("execution_count") for c in cells if "".join(c["source"]).strip())
+    return ran and not any(o["output_type"] == "error" for c in cells for o in c["outputs"])
+
+
+def seconds_of(copy: Path) -> float:
+    """Seconds that an executed copy's cells took; a copy that never ran counts as long."""
+    if not copy.is_file():
+        return float("inf")
+    spans = [c["metadata"].get("execution", {}) for c in json.loads(copy.read_text())["cells"]]
+    return sum(
+        (stamp(s["shell.execute_reply"]) - stamp(s["iopub.execute_input"])).total_seconds()
+        for s in spans
+        if {"shell.execute_reply", "iopub.execute_input"} <= s.keys()
+    )
+
+
+def stamp(text: str) -> datetime:
+    """Moment of a cell's stamp."""
+    return datetime.fromisoformat(text.replace("Z", "+00:00"))
+
+
+def assemble() -> None:
+    """Lay prose, executed notebooks and configuration beside each other for Sphinx."""
+    shutil.rmtree(SOURCE, ignore_errors=True)
+    ignore = shutil.ignore_patterns("*.ipynb", "__pycache__")
+    shutil.copytree(ROOT / "book", SOURCE / "book", ignore=ignore)
+    shutil.copyfile(ROOT / "pyproject.toml", SOURCE / "pyproject.toml")
+    for notebook in notebooks():
+        target = SOURCE / notebook
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(EXECUTED / notebook, target)
+
+
+def main() -> int:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__, prog="python book/execute.py")
+    parser.add_argument("notebooks", nargs="*", type=Path, help="none is all of them")
+    parser.add_argument("--assemble", action="store_true", help="lay out the book's sources")
+    given = parser.parse_args()
+    chosen = [p.resolve().relative_to(ROOT) for p in given.notebooks] or notebooks()
+    code = execute(chosen)
+    if code == 0 and given.assemble:
+        assemble()
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())
