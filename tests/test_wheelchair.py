@@ -20,15 +20,24 @@ from plain_tasks import plain_tasks
 from scipy import integrate
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.data import SAMPLE_VARIABLE, recordings_folder
+from mobility_imu.data import recordings_folder
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.plots.wheelchair import chronogram, draw_frames
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.reproduction.claims import check
 from mobility_imu.reproduction.published import load_published
-from mobility_imu.reproduction.wheelchair.sample import claims, open_combinations, yaw_gain
+from mobility_imu.reproduction.wheelchair.facing import facing_mounting
+from mobility_imu.reproduction.wheelchair.printed import (
+    gyroscope_outward,
+    printed_angles,
+    sign_choices,
+    spin_printed,
+    velocity_printed,
+    wheel_rates_printed,
+    yaw_rate_printed,
+)
+from mobility_imu.reproduction.wheelchair.sample import open_combinations, yaw_gain
 from mobility_imu.simulation.wheelchair import (
     COURT,
     IDEAL,
@@ -489,13 +498,110 @@ def test_no_fixed_sign_of_the_root_serves_both_directions_of_turn(yaw, spin, cam
         assert printed - spin == pytest.approx(wrong, abs=EXACT)
 
 
-def test_printed_minus_of_the_velocity_gives_standstill_on_a_straight_line():
-    # 1.7 makes both spins positive forward; 1.17 then subtracts equal speeds.
-    spin = np.array([4.0])
-    left, right = (spin * 1.0 / radius for radius in SAMPLE_CHAIR.wheel_radius_m)
-    assert linear_velocity(left, right, SAMPLE_CHAIR) == pytest.approx([4.0])
-    radius = SAMPLE_CHAIR.wheel_radius_m
-    assert (left * radius.left - right * radius.right) / 2 == pytest.approx([0.0], abs=ROUNDING)
+# The print in the axes of its Figure 1
+
+
+FACINGS = pytest.mark.parametrize(("facing", "sign"), [("outward", 1), ("inward", -1)])
+
+
+def straight_at_1_mps(mounting):
+    legs = (Leg(1, 1.0), Leg(2, 5.0, 1.0), Leg(1, 1.0))
+    return simulate_drive(legs, SAMPLE_CHAIR, mounting, seed=0, noise=IDEAL, push_share=0.0)
+
+
+@FACINGS
+@pytest.mark.parametrize("seed", range(5))
+def test_a_sensor_that_faces_outward_turns_positively_on_the_left_wheel_only(facing, sign, seed):
+    # Rolling forward carries the top of a wheel forward: a rotation about the chair's left.
+    line = straight_at_1_mps(facing_mounting(facing, seed))
+    for side, s in (("left", 1), ("right", -1)):
+        rate = line.recording.sensor(f"{side}_wheel").gyr_radps[300]
+        along_z = rate[2] / np.linalg.norm(rate)
+        assert along_z * s * sign > math.cos(0.51)  # tilted by 0.5 rad at most
+
+
+def test_sensors_that_face_outward_get_the_axle_of_figure_1_and_inward_ones_the_opposite():
+    outcome = {}
+    for facing in ("outward", "inward"):
+        printed, by_atan2 = [], []
+        for seed in range(1000):
+            mounting = facing_mounting(facing, seed)
+            for side, s in (("left", 1), ("right", -1)):
+                forward = mounting[f"{side}_wheel"].rotation_body_to_imu[:, 2]
+                outward = s * forward
+                rate = 4.0 * forward  # what the gyroscope reads in a forward push
+                printed.append(alignment_matrix(*printed_angles(rate))[:, 2] @ outward)
+                by_atan2.append(alignment_matrix(*wheel_alignment_angles(rate))[:, 2] @ forward)
+        # tan and atan of angles up to 0.5 rad: a few roundings
+        assert np.abs(printed) == pytest.approx(np.ones(2000), abs=EXACT)
+        assert by_atan2 == pytest.approx(np.ones(2000), abs=EXACT)
+        outcome[facing] = set(np.sign(printed))
+    assert outcome == {"outward": {1.0}, "inward": {-1.0}}
+
+
+@FACINGS
+def test_printed_minus_of_the_velocity_is_right_for_sensors_that_face_outward(facing, sign):
+    mounting = facing_mounting(facing, 3)
+    line = straight_at_1_mps(mounting)
+    rates = wheel_rates_printed(line.recording, line.recording)
+    left, right = rates.left[:, 2], rates.right[:, 2]
+    printed = velocity_printed(left, right, SAMPLE_CHAIR)
+    assert printed == pytest.approx(sign * line.linear_velocity_mps, abs=EXACT)
+    assert printed[300] == pytest.approx(sign * 1.0, abs=EXACT)
+    # With a plus the wheels would cancel, and so would axles that are positive forward on both
+    # sides with the printed minus: the inverse tangents and the minus belong together.
+    assert linear_velocity(left, right, SAMPLE_CHAIR) == pytest.approx(0 * printed, abs=EXACT)
+    still = simulate_drive(STATIC_TRIAL, SAMPLE_CHAIR, mounting, seed=0, noise=IDEAL)
+    forward = axle_rates(line, calibrate(still.recording, line.recording))
+    cancelled = velocity_printed(forward["left"][:, 2], forward["right"][:, 2], SAMPLE_CHAIR)
+    assert cancelled == pytest.approx(0 * printed, abs=EXACT)
+
+
+@FACINGS
+def test_printed_sum_of_the_yaw_rate_is_positive_to_the_right_with_outward_axles(facing, sign):
+    mounting = facing_mounting(facing, 4)
+    line = straight_at_1_mps(mounting)
+    turn = simulate_drive(BOTH_WAYS, SAMPLE_CHAIR, mounting, seed=0, noise=IDEAL)
+    rates = wheel_rates_printed(line.recording, turn.recording)
+    # Without the camber term; the rates along the axles go with the distance of the centres.
+    printed = yaw_rate_printed(
+        rates.left[:, 2],
+        rates.right[:, 2],
+        SAMPLE_CHAIR,
+        distance_m=SAMPLE_CHAIR.wheel_centre_distance_m,
+    )
+    assert printed == pytest.approx(-sign * turn.yaw_rate_radps, abs=EXACT)
+
+
+@given(st.floats(-3, 3), st.floats(-20, 20))
+def test_printed_root_is_exact_with_the_sign_that_fits_the_turn(yaw, velocity):
+    for side, s in (("left", 1), ("right", -1)):
+        spin = s * (velocity - s * yaw * SAMPLE_CHAIR.track_m / 2)
+        spin /= getattr(SAMPLE_CHAIR.wheel_radius_m, side)
+        gyroscope = gyroscope_outward(velocity, yaw, SAMPLE_CHAIR, side)
+        found = spin_printed(gyroscope, SAMPLE_CHAIR, -1 if yaw > 0 else 1)
+        assert found == pytest.approx(spin, abs=EXACT)
+
+
+def test_every_fixed_choice_of_signs_fails_in_one_turn_or_in_the_velocity():
+    choices = sign_choices(SAMPLE_CHAIR)
+    assert len(choices) == 8
+    for choice in choices:
+        yaw_error = max(abs(choice.yaw_left - 1), abs(choice.yaw_right - 1))
+        velocity_error = max(abs(choice.velocity_left), abs(choice.velocity_right))
+        # a third of the yaw rate, or a tenth of a metre per second for each rad/s
+        assert yaw_error > 0.2 or velocity_error > 0.1
+        # Opposite signs cancel in (1.18), but for the radii; like signs in (1.17).
+        opposite = choice.sign_left != choice.sign_right
+        assert (yaw_error < 0.01) == (opposite and choice.distance == "centres")
+        assert (velocity_error < 0.01) == (not opposite)
+    # The two choices of like signs mirror each other.
+    both_plus, both_minus = (
+        c for c in choices if c.sign_left == c.sign_right and c.distance == "centres"
+    )
+    gains = printed_yaw_gain(SAMPLE_CHAIR)
+    assert (both_plus.yaw_left, both_plus.yaw_right) == pytest.approx(gains, abs=EXACT)
+    assert (both_minus.yaw_right, both_minus.yaw_left) == pytest.approx(gains, abs=EXACT)
 
 
 @settings(deadline=None, max_examples=15)
@@ -1145,38 +1251,7 @@ def test_tasks_of_the_bundled_recording_are_right_away_from_the_changes(court):
     assert (codes == truth["task_code"]).mean() > 0.9
 
 
-# What the scorecard says
-
-
-def test_claims_on_the_sample_are_not_reproducible_without_it(monkeypatch):
-    monkeypatch.delenv(SAMPLE_VARIABLE, raising=False)
-    outcomes = [check(claim) for claim in claims()]
-    need = [SAMPLE_VARIABLE in outcome.claim.what for outcome in outcomes]
-    assert [outcome.verdict == "not reproducible" for outcome in outcomes] == need
-    assert 0 < sum(need) < len(need)
-    assert all(outcome.claim.tolerance_reason for outcome in outcomes)
-
-
-def test_claims_on_a_folder_that_is_not_there_say_so(monkeypatch, tmp_path):
-    monkeypatch.setenv(SAMPLE_VARIABLE, str(tmp_path / "nowhere"))
-    with pytest.raises(InputError, match="nowhere"):
-        check(claims()[0])
-
-
-def test_printed_equations_differ_and_ours_agree(monkeypatch):
-    monkeypatch.delenv(SAMPLE_VARIABLE, raising=False)
-    verdicts = {}
-    for outcome in map(check, claims()):
-        if SAMPLE_VARIABLE not in outcome.claim.what:
-            verdicts.setdefault(outcome.claim.where, set()).add(outcome.verdict)
-    assert verdicts == {
-        "eqs 1.16-1.18 as printed": {"differs"},
-        "eqs 1.16-1.18 sign-safe": {"agrees"},
-        "eq. 1.17, printed minus": {"differs"},
-        "eq. 2.1, units as listed": {"differs"},
-        "Table 2": {"differs"},
-        "section 2": {"agrees"},
-    }
+# What the tables leave open
 
 
 def test_three_combinations_of_table_2_are_open():

@@ -1,8 +1,10 @@
 """Realignment of wheel and frame IMUs from a static and a straight-line trial (section 1.1).
 
 The document solves for two angles with ``atan``; that keeps the aligned z axis in the IMU's own
-z hemisphere, so an IMU mounted the other way round comes out upside down. The forms here use
-``atan2`` and take the direction itself from the trials: they hold for any mounting.
+z hemisphere. With sensors that face outward on both wheels, as its Figure 1 draws them, the aligned
+axes point outward too, and (1.17) subtracts the wheels accordingly. Sensors that face inward come
+out the other way. The forms here use ``atan2`` and take the direction from the trials: they hold
+for any mounting, and make a forward roll positive on both wheels.
 """
 
 from __future__ import annotations
@@ -79,7 +81,8 @@ def wheel_alignment_angles(
     rate_imu_radps : (3,) array, angular rate of the wheel rolling forward, IMU axes; only its
         direction matters
     form : "printed" uses ``atan`` as the document does: the aligned z then lies in the IMU's z
-        hemisphere, whatever the direction of the roll, and z = 0 divides by zero
+        hemisphere, whatever the direction of the roll (on sensors that face outward it is the
+        outward axle of the document's Figure 1), and z = 0 divides by zero
 
     Returns
     -------
@@ -92,7 +95,8 @@ def wheel_alignment_angles(
 
     Examples
     --------
-    An axle along the IMU's -z: the printed form gives the opposite axis.
+    A right wheel whose IMU faces outward turns about -z when it rolls forward. The printed form
+    gives the outward axle, the other form the one about which rolling forward is positive.
 
     >>> for form in ("any mounting", "printed"):
     ...     axle = alignment_matrix(*wheel_alignment_angles([0, 0, -5], form=form))[:, 2]
@@ -108,8 +112,9 @@ def frame_alignment_angles(
 ) -> AlignmentAngles:
     """Angles sigma and delta that turn z upward (eqs 1.12-1.15).
 
-    The document writes the resting acceleration as -z (1.12); an accelerometer reads +g upward.
-    With ``atan`` the sign drops out, with ``atan2`` it does not: +z is used here.
+    The document writes the resting acceleration as -z (1.12), which fits a sensor that reports
+    gravity. An accelerometer reports specific force, +g upward. With ``atan`` the sign drops out,
+    with ``atan2`` it does not: +z is used here.
 
     Parameters
     ----------

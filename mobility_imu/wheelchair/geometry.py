@@ -18,6 +18,15 @@ from mobility_imu.readers.geometry import read_section
 
 Side = Literal["left", "right"]
 
+DOCUMENT_TO_CHAIR = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""Rotation from the axes of WheelMove-ID's Figure 1 (v0) to the chair frame, (3, 3).
+
+The figure draws the chair with X forward, Y up and Z to the right; the chair frame here has x
+forward, y left and z up. Both are right-handed. Positive yaw, about the figure's Y and about z
+here, is to the left in both.
+"""
+DOCUMENT_TO_CHAIR.setflags(write=False)
+
 
 class WheelPair(NamedTuple):
     """One value per wheel."""

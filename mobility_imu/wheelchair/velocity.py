@@ -62,7 +62,8 @@ def wheel_spin_rate_printed(
     """Spin of one wheel as printed (eq. 1.16), with the signs that the public tool gives it.
 
     It adds (left) or takes away (right) the rate across the axle times tan(camber). That rate is
-    a length, never negative: the result is wrong whenever the chair turns, see
+    a length, never negative, so that a fixed sign is right in turns to one side only: with this
+    choice, in right turns. The wheels' yaw rate is wrong by the factors of
     :func:`printed_yaw_gain`.
 
     Parameters
@@ -85,7 +86,8 @@ def linear_velocity(
 ) -> FloatArray:
     """Chair's forward velocity from both wheels (eq. 1.17, forward spin positive on both sides).
 
-    The print subtracts the wheels, which is right only for wheel axes that point apart.
+    The print subtracts the right wheel: in its Figure 1 the wheels' axes point outward, and the
+    right wheel then turns negatively. Here forward is positive on both sides, so they are added.
 
     Parameters
     ----------
@@ -110,6 +112,9 @@ def wheel_yaw_rate(
     distance_m: float,
 ) -> FloatArray:
     """Chair's yaw rate from both wheels (eq. 1.18, left turn positive).
+
+    The print adds the wheels. With the outward axes of its Figure 1 that is positive in turns to
+    the right, against the arrow in the figure.
 
     Parameters
     ----------
@@ -225,11 +230,12 @@ def wheel_yaw_standard_deviation(
 
 
 def printed_yaw_gain(geometry: WheelchairGeometry) -> tuple[float, float]:
-    """Factors by which the printed camber term falsifies the wheels' yaw rate.
+    """Factors of the wheels' yaw rate with the public tool's signs and distance.
 
     With the same length across the axle on both wheels, abs(yaw rate) cos(camber), eqs 1.16 and
-    1.18 with the wheel-centre distance d_c give, for a yaw rate w in a left turn,
-    w - (r_L + r_R) sin(camber) / d_c w, and the sum of the two in a right turn.
+    1.18 with the tool's signs and the wheel-centre distance d_c give, for a yaw rate w in a left
+    turn, w - (r_L + r_R) sin(camber) / d_c w, and the sum of the two in a right turn. With both
+    signs changed the two factors change places.
 
     Returns
     -------
@@ -289,8 +295,8 @@ def estimate_velocity(
         other and the frame then give the speed, with a warning, and slip cannot be seen
     calibration : from :func:`~mobility_imu.wheelchair.calibration.calibrate`
     geometry : WheelchairGeometry
-    camber : "sign-safe" takes the yaw rate's share out of each wheel with its sign; "printed"
-        follows (1.16) to the letter, as the public tool does
+    camber : "sign-safe" takes the yaw rate's part out of each wheel with its sign; "printed"
+        uses the root of (1.16) with the fixed signs that the public tool gives it
     slip_correction : where the wheels disagree, take the speed from the wheel that still rolls
         (:func:`~mobility_imu.wheelchair.slip.correct_slip`); with the printed camber term, which
         tells no wheel from the other, integrate the frame's acceleration as the tool does

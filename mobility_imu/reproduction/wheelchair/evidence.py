@@ -103,7 +103,7 @@ def _signed(yaw_rate_radps: float) -> tuple[float, float]:
     Wheels with axles positive rolling forward; Figure 1's outward axles change signs only.
     """
     chair = SAMPLE_CHAIR
-    spins = [
+    left, right = (
         wheel_spin_rate(
             side_sign(side) * gyroscope_outward(0.0, yaw_rate_radps, chair, side)[0],
             yaw_rate_radps,
@@ -111,9 +111,9 @@ def _signed(yaw_rate_radps: float) -> tuple[float, float]:
             side=side,
         )
         for side in SIDES
-    ]
-    speed = float(linear_velocity(*spins, chair))
-    return speed, float(wheel_yaw_rate(*spins, chair, distance_m=chair.track_m))
+    )
+    speed = float(linear_velocity(left, right, chair))
+    return speed, float(wheel_yaw_rate(left, right, chair, distance_m=chair.track_m))
 
 
 def camber_term() -> Evidences:
@@ -148,9 +148,9 @@ def camber_term() -> Evidences:
         ),
         Evidence(
             what="larger of speed error (m/s) and yaw rate error (rad/s), both turns at 1 rad/s",
-            first_from="best of four choices of signs and two distances",
+            first_from="best of four fixed choices of signs and two distances",
             first=min(worst(choice) for choice in choices),
-            second_from="yaw rate in place of the root",
+            second_from="the sign that fits side and turn",
             second=max(max(abs(v), abs(w - yaw)) for yaw, (v, w) in signed.items()),
             truth=0.0,
             tolerance=1e-6,

@@ -1,0 +1,44 @@
+"""Simulated chairs whose wheel sensors face outward, as in the document's Figure 1, or inward."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.frames import FloatArray
+from mobility_imu.simulation.wheelchair import Mounting, random_mounting
+from mobility_imu.wheelchair.geometry import Side, side_sign
+
+Facing = Literal["outward", "inward"]
+SIDES: tuple[Side, Side] = ("left", "right")
+LARGEST_TILT_RAD = 0.5
+
+
+def facing_mounting(facing: Facing, seed: int) -> dict[str, Mounting]:
+    """Three IMUs, those of the wheels with their z outward or inward, tilted at random.
+
+    Parameters
+    ----------
+    facing : "outward" as in Figure 1, "inward" as on the public sample
+    seed : of the tilts (up to 0.5 rad) and of the frame's IMU
+
+    Returns
+    -------
+    dict from sensor name to Mounting
+    """
+    rng = np.random.default_rng(seed)
+    mounting = random_mounting(seed)
+    for side in SIDES:
+        # The wheel's own z is its axle, positive forward: it points to the chair's left.
+        flip = (side_sign(side) > 0) != (facing == "outward")
+        tilt = rng.uniform(0, LARGEST_TILT_RAD) * _unit(rng.normal(size=2))
+        turn = Rotation.from_rotvec([*tilt, 0]) * Rotation.from_euler("x", np.pi * flip)
+        place = mounting[f"{side}_wheel"].position_m
+        mounting[f"{side}_wheel"] = Mounting(turn.as_matrix(), place)
+    return mounting
+
+
+def _unit(vector: FloatArray) -> FloatArray:
+    return vector / np.linalg.norm(vector)
