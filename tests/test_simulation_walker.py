@@ -18,6 +18,7 @@ from mobility_imu.simulation.walker import (
     PERFECT,
     REALISTIC,
     RECTANGLE,
+    RECTANGLE_OPEN,
     TIMED_UP_AND_GO,
     Imperfections,
     Leg,
@@ -38,7 +39,12 @@ MOUNT = WalkerMount(
 TIPS = np.array([[0.52, 0.3, 0], [0.52, -0.3, 0], [0, -0.3, 0], [0, 0.3, 0]])
 EDGES = {"front": [0, 1], "back": [2, 3], "right": [1, 2], "left": [0, 3]}
 SIDES = {"front": (1, 0), "back": (-1, 0), "right": (0, -1), "left": (0, 1)}
-PATHS = {"corridor": CORRIDOR, "rectangle": RECTANGLE, "tug": TIMED_UP_AND_GO}
+PATHS = {
+    "corridor": CORRIDOR,
+    "rectangle": RECTANGLE,
+    "open": RECTANGLE_OPEN,
+    "tug": TIMED_UP_AND_GO,
+}
 
 
 @cache
@@ -216,7 +222,12 @@ def test_truth_at_the_samples_is_the_motion():
 
 @pytest.mark.parametrize(
     ("name", "end", "turned_deg", "length_m"),
-    [("corridor", (10, 0), 0, 10), ("rectangle", (0, 0), 360, 17.5), ("tug", (0, 0), 360, 6)],
+    [
+        ("corridor", (10, 0), 0, 10),
+        ("rectangle", (0, 0), 360, 17.5),
+        ("open", (0, 0), 270, 17.5),
+        ("tug", (0, 0), 360, 6),
+    ],
 )
 @pytest.mark.parametrize("seed", range(3))
 def test_courses_end_where_they_should(name, end, turned_deg, length_m, seed):

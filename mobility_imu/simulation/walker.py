@@ -2,8 +2,9 @@
 
 The rigid frame's position and orientation are written down as smooth functions of time; what the
 IMU feels follows by differentiating its own path twice, no formula of an estimator is used. Every
-size below is an assumption of ours unless it says where it is from; none was fitted to the errors
-in the paper's tables.
+size below is an assumption of ours unless it says where it is from. They were set by hand, with the
+errors in the paper's tables known; what each one does is asked one at a time
+(:func:`mobility_imu.reproduction.walker.studies.sources`).
 
 World: z up, origin where the body's origin stands at the start, x where the body's x points then.
 Body and IMU frames: :mod:`mobility_imu.walker.geometry`.
@@ -208,7 +209,12 @@ CORRIDOR = (Leg(10.0),)
 """The paper's first experiment (section 3), 10 m straight."""
 
 RECTANGLE = tuple(Leg(length, np.pi / 2) for length in (5.0, 3.75, 5.0, 3.75))
-"""The paper's second, 5 m by 3.75 m, here to the left, the last corner turned as well."""
+"""The paper's second, 5 m by 3.75 m, here to the left, the last corner turned as well, so that the
+frame ends with its first heading. The paper does not say whether its walkers turned there."""
+
+RECTANGLE_OPEN = (*RECTANGLE[:-1], Leg(RECTANGLE[-1].length_m))
+"""The same without the turn at the last corner: the end is the start, the heading 90 deg short. By
+their directions 25 of the 30 rounds of Tables 3 and 4 ended so, if the end was corrected."""
 
 TIMED_UP_AND_GO = (Leg(3.0, np.pi), Leg(3.0, np.pi))
 """Walking and turns of a Timed-Up and Go Test; the chair is not part of it."""

@@ -94,8 +94,8 @@ def forward_axis(displacement_m: ArrayLike) -> FloatArray:
 def rotation_imu_to_body(rotation_body_to_world: ArrayLike, quaternion: ArrayLike) -> FloatArray:
     """IMU to body, from the body's axes and the attitude at the same moment (eq. 7).
 
-    (C_b1^w)^T C'(q_1): as printed the first transpose is missing, and the result, which turns IMU
-    components into body components, is named the other way round.
+    (C_b1^w)^T C'(q_1). Our text copy lacks the first transpose, and names the result, which turns
+    IMU components into body components, the other way round; the print may be right.
 
     Parameters
     ----------
@@ -132,8 +132,9 @@ def tilt_rotation(
 def quaternion_from_rotation(rotation: ArrayLike) -> FloatArray:
     """Quaternion of a rotation matrix, scalar first (eq. 10).
 
-    As printed the vector part has the other sign, that of the transposed matrix. The form fails
-    near half a turn, where the scalar part is 0; tilts do not get there.
+    As printed the vector part has the sign for the transposed matrix, one in the sense of eq. 1;
+    eq. 12 takes no notice of it. The form fails near half a turn, where the scalar part is 0;
+    tilts do not get there.
 
     Parameters
     ----------
@@ -201,7 +202,7 @@ def imu_height(distances_m: Mapping[TiltDirection, float], geometry: WalkerGeome
     """Height of the IMU over the floor from its distances to the four edges, m (eq. 14).
 
     The mean of the heights of two triangles, each by Heron's formula. It needs the footprint's
-    width and length, although the paper counts that as a drawback of the other method only.
+    width and length, which the paper lists in its procedure.
 
     Parameters
     ----------
@@ -238,9 +239,9 @@ def position_four_tilts(
 ) -> FloatArray:
     """Position of the IMU in the body frame from four tilts (eq. 15).
 
-    The printed roots lose the sign: they hold for 0 <= x and abs(y) <= width / 2 only, and
-    magnify errors where x or the distance to a side is small. The differences of squares do
-    neither.
+    The printed roots hold for 0 <= x and abs(y) <= width / 2, as in all of the paper's poses.
+    Elsewhere they lose the sign, and they magnify errors where x or the distance to a side is
+    small. The differences of squares do neither.
 
     Parameters
     ----------
@@ -277,14 +278,14 @@ def position_four_tilts(
 def arm_angle(velocity_mps: ArrayLike, *, tilt_rad: float = 0.0) -> float:
     """Angle of the arm from edge to IMU against the vertical, rad (eqs 16-17).
 
-    At the start of a tilt the IMU moves at right angles to the arm. The paper's "initial velocity"
-    is zero at the start; taken later, at a tilt of theta, the arm has turned by theta, which has
-    to be added back.
+    At the start of a tilt the IMU moves at right angles to the arm. At the very start there is no
+    velocity, and the paper does not say when its "initial velocity" is taken. Later, at a tilt of
+    theta, the arm has turned by theta, which has to be added back.
 
     Parameters
     ----------
     velocity_mps : (3,) array, m/s, world
-    tilt_rad : rad, tilt at that moment; 0 for the printed form
+    tilt_rad : rad, tilt at that moment; 0 for the printed form, which is exact at the very start
     """
     velocity = as_vectors(velocity_mps, "velocity_mps")
     speed = float(np.linalg.norm(velocity))
@@ -694,7 +695,7 @@ def calibrate_mount(
     form : "corrected", or "printed": the roots of eq. 15, no tilt angle in eqs 16-17
     smooth : whether to smooth the path; the paper filters only
     order : directions of the tilts as they were made
-    velocity_tilt_rad : rad, tilt at which "two-tilts" takes the velocity
+    velocity_tilt_rad : rad, tilt at which "two-tilts" takes the velocity; the paper gives none
     settings, stillness : see :func:`mobility_imu.walker.navigation.navigate`
 
     Returns

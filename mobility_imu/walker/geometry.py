@@ -179,13 +179,14 @@ def rotation_world_to_imu(
 ) -> FloatArray:
     """Rotation matrix C(q), world to IMU, of an attitude quaternion (eq. 1).
 
-    As printed two entries name the wrong components: row 2 column 3 and row 3 column 2; the
-    result is no rotation. The paper counts q(4) as the scalar here, and q(1) elsewhere.
+    In our text copy two entries repeat a neighbouring index, row 2 column 3 and row 3 column 2;
+    that is no rotation, and the print may be right. The paper counts q(4) as the scalar here, and
+    q(1) elsewhere.
 
     Parameters
     ----------
     quaternion : (..., 4) array, Hamilton, scalar first, IMU to world
-    form : "corrected", or "printed" to see what the print gives
+    form : "corrected", or "printed" for what our text copy has
 
     Returns
     -------

@@ -253,8 +253,9 @@ def error_dynamics(
 ) -> FloatArray:
     """Matrix A of the error state's differential equation (eq. 24).
 
-    The paper prints +1/2 where the gyroscope's bias acts on the attitude, and nothing where the
-    accelerometer's bias acts on the velocity. Eqs 20 to 22 give -1/2 and -C'(q).
+    Our text copy has +1/2 where the gyroscope's bias acts on the attitude, and nothing where the
+    accelerometer's bias acts on the velocity. Eqs 20 to 22 give -1/2 and -C'(q). The plus is right
+    if the state holds minus the bias of eq. 21; a sign or an entry may also be lost in the copy.
 
     Parameters
     ----------

@@ -99,9 +99,9 @@ def walking_displacement(
 ) -> FloatArray:
     """Displacement of the walking frame between two moments, m (eqs 26-28).
 
-    (r_N - r_1) - (C_N - C_1)(T + T_e): the paper prints a plus before the term of T in eq. 28. An
-    error of the mount counts by the change of attitude alone: not at all if the frame ends as it
-    began, however far it went.
+    (r_N - r_1) - (C_N - C_1)(T + T_e). Our text copy has a plus before the term of T in eq. 28,
+    against eq. 27. An error of the mount counts by the change of attitude alone, as the paper says:
+    not at all if the frame ends as it began, 1.41 times if it ends a quarter turn off.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ from mobility_imu.walker.calibration import (
     rotation_imu_to_body,
     tilt_quaternion,
 )
-from mobility_imu.walker.geometry import WalkerGeometry, rotation_world_to_imu
+from mobility_imu.walker.geometry import TiltDirection, WalkerGeometry, rotation_world_to_imu
 from mobility_imu.walker.navigation import NavigationState, error_dynamics, imu_output
 from mobility_imu.walker.trajectory import walking_displacement
 
@@ -415,17 +415,21 @@ def axis_of_a_tilt() -> Evidences:
     )
 
 
-def roots_without_a_side() -> Evidences:
-    """K16: x of an IMU 50 mm behind the rear tips, by both forms of (15)."""
-    place = np.array([-0.05, 0.10, 0.60])
+def _distances(x: float, y: float, h: float) -> dict[TiltDirection, float]:
+    """Distances of an IMU from the four edges of the footprint, m."""
     width, length = FOOTPRINT.footprint_width_m, FOOTPRINT.footprint_length_m
-    x, y, h = place
-    distances = {
+    return {
         "front": float(np.hypot(length - x, h)),
         "back": float(np.hypot(x, h)),
         "right": float(np.hypot(y + width / 2, h)),
         "left": float(np.hypot(width / 2 - y, h)),
     }
+
+
+def roots_without_a_side() -> Evidences:
+    """K16: x of an IMU 50 mm behind the rear tips, by both forms of (15)."""
+    x, y, h = -0.05, 0.10, 0.60
+    distances = _distances(x, y, h)
     return (
         Evidence(
             what="x of an IMU behind the rear tips, exact distances",
@@ -433,7 +437,7 @@ def roots_without_a_side() -> Evidences:
             first=float(position_four_tilts(distances, FOOTPRINT, form="printed")[0]),
             second_from="differences of squares",
             second=float(position_four_tilts(distances, FOOTPRINT)[0]),
-            truth=float(x),
+            truth=x,
             tolerance=1e-9,
             unit="m",
         ),
@@ -463,12 +467,7 @@ def lengths_by_tape() -> Evidences:
     """K18: height by the first method, edges measured right and 10 mm too long."""
     x, y, h = pose_translation("1", 1)
     width, length = FOOTPRINT.footprint_width_m, FOOTPRINT.footprint_length_m
-    distances = {
-        "front": float(np.hypot(length - x, h)),
-        "back": float(np.hypot(x, h)),
-        "right": float(np.hypot(y + width / 2, h)),
-        "left": float(np.hypot(width / 2 - y, h)),
-    }
+    distances = _distances(x, y, h)
     longer = WalkerGeometry(footprint_width_m=width + 0.01, footprint_length_m=length + 0.01)
     return (
         Evidence(

@@ -5,23 +5,20 @@ The recordings behind the tables are not published, so what can be checked is th
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from mobility_imu.frames import FloatArray
-from mobility_imu.reproduction.claims import Claim
 from mobility_imu.reproduction.published import load_published
 from mobility_imu.walker.geometry import WalkerMount
 
 POSES = ("1", "2", "3", "4", "5")
-ROUNDING = "one unit of the last printed digit"
 PRINT_DEFECT = 0.0015
 """Largest abs(C C' - I) that the print alone explains, rows being up to 0.0005 short of 1."""
 CLOSING_COLUMN = {3: "distance", 4: "position"}
-"""Header of the closing error's length in Tables 3 and 4 (the second is misprinted)."""
+"""Header of the closing error's length in Tables 3 and 4, as our text copy has it."""
 
 
 class EntryRepair(NamedTuple):
@@ -95,11 +92,11 @@ def best_repair(matrix: FloatArray) -> EntryRepair:
 
 
 def repaired_rotation(pose: str) -> FloatArray:
-    """Rotation of Table 1 for one mounting, misprint repaired, IMU to body, (3, 3).
+    """Rotation of Table 1 for one mounting, an entry that does not fit repaired, (3, 3).
 
-    Where the print is no rotation within its own precision (poses 1 and 2), the one entry is
-    recomputed that makes it one; then the nearest rotation is taken. In that order: projecting
-    pose 2 with its misprint gives a rotation that is 4.8 degrees off.
+    Where the matrix is no rotation within its own precision (poses 1 and 2 in our text copy), the
+    one entry is recomputed that makes it one; then the nearest rotation is taken. In that order:
+    projecting pose 2 unrepaired gives a rotation that is 4.8 degrees off.
 
     Parameters
     ----------
@@ -190,118 +187,3 @@ def printed_average(table: Literal[2, 3, 4], column: str, pose: str | None = Non
     """Printed average of a column of Tables 2-4, for one pose or (None) over all."""
     cells = load_published(f"walker_table{table}").set_index(["row", "column"])["value"]
     return float(cells["average" if pose is None else f"{pose}/average", column])
-
-
-def claims() -> list[Claim]:
-    """Printed averages and matrices against what the printed rows give, and simulated runs."""
-    from mobility_imu.reproduction.walker.studies import synthetic_claims
-
-    walker = partial(Claim, work="walker", basis="published numbers recomputed")
-    digit = partial(walker, unit="m", tolerance=1e-4, tolerance_reason=ROUNDING)
-    found = [
-        digit(
-            where=f"Table 2, pose {pose}",
-            what="mean distance of six runs",
-            published_value=printed,
-            compute=partial(lambda k: runs(2, "distance_estimation")[k].mean(), k),
-        )
-        for k, (pose, printed) in enumerate(
-            zip(POSES, (9.8097, 9.7307, 10.2814, 9.562, 9.6525), strict=True)
-        )
-    ]
-    found += [
-        digit(
-            where="Table 2",
-            what="mean distance error of 30 runs",
-            published_value=0.3123,
-            compute=lambda: float(np.abs(10 - runs(2, "distance_estimation")).mean()),
-        ),
-        digit(
-            where="Table 3",
-            what="mean closing error, first method",
-            published_value=0.5170,
-            compute=lambda: float(np.hypot(runs(3, "x"), runs(3, "y")).mean()),
-        ),
-        digit(
-            where="Table 4",
-            what="mean closing error, second method",
-            published_value=0.5041,
-            compute=lambda: float(np.hypot(runs(4, "x"), runs(4, "y")).mean()),
-        ),
-        digit(
-            where="section 3, text",
-            what="mean x error, second method",
-            published_value=-0.33374,
-            compute=lambda: float(runs(4, "x").mean()),
-        ),
-    ]
-    found += [
-        digit(
-            where=f"Table 2, pose {pose}",
-            what="mean distance error of six runs",
-            published_value=printed_average(2, "distance_error", pose),
-            compute=partial(lambda k: runs(2, "distance_error")[k].mean(), k),
-        )
-        for k, pose in enumerate(POSES)
-    ]
-    found += [
-        digit(
-            where=f"Table {table}, pose {pose}",
-            what="mean closing error of six runs",
-            published_value=printed_average(table, CLOSING_COLUMN[table], pose),
-            compute=partial(
-                lambda t, k: float(np.hypot(runs(t, "x")[k], runs(t, "y")[k]).mean()), table, k
-            ),
-        )
-        for table in (3, 4)
-        for k, pose in enumerate(POSES)
-    ]
-    found += [
-        digit(
-            where=f"Table {table}",
-            what=f"mean {axis} error of 30 runs",
-            published_value=printed_average(table, axis),
-            compute=partial(lambda t, a: float(runs(t, a).mean()), table, axis),
-        )
-        for table in (3, 4)
-        for axis in "xy"
-    ]
-    share = partial(walker, unit="%", tolerance=0.5, tolerance_reason="printed to whole percents")
-    found += [
-        share(
-            where="section 3, text",
-            what="accuracy of the distance in the corridor",
-            published_value=97,
-            compute=lambda: 100 - 10 * float(np.abs(10 - runs(2, "distance_estimation")).mean()),
-        ),
-        share(
-            where="section 3, text",
-            what="mean closing error over the path of 17.5 m, first method",
-            published_value=3,
-            compute=lambda: float(np.hypot(runs(3, "x"), runs(3, "y")).mean()) / 0.175,
-        ),
-    ]
-    found += [
-        walker(
-            where=f"Table 1, pose {pose}",
-            what="largest entry of abs(C C' - I), 0 for a rotation",
-            published_value=0.0,
-            unit="-",
-            compute=partial(rotation_defect, pose),
-            tolerance=PRINT_DEFECT,
-            tolerance_reason="rows are printed up to 0.0005 short of unit length",
-        )
-        for pose in POSES
-    ]
-    found.append(
-        walker(
-            where="Tables 1, 3, 4 with eq. 27",
-            what="runs whose closing errors differ by the whole lever arm (eq. 27: none has to)",
-            published_value=0,
-            unit="of 30",
-            compute=lambda: float((np.abs(lever_arm_ratio() - 1) < 0.01).sum()),
-            tolerance=0,
-            tolerance_reason="a count",
-        )
-    )
-    return found + synthetic_claims()
