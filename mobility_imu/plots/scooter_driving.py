@@ -1,4 +1,4 @@
-"""Figures of the scooter's driving test, arranged like the paper's Figures 5, 7, 8 and 9."""
+"""Figures of the scooter's driving test: after the paper's Figures 5, 7, 8 and 9, and our own."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.frames import FloatArray
-from mobility_imu.plots.style import COLOURS, LINE_STYLES, MARKERS, use_style
+from mobility_imu.plots.style import COLOURS, LINE_STYLES, MARKERS, cue, use_style
 from mobility_imu.simulation.scooter import Course, SimulatedRide
 
 if TYPE_CHECKING:
@@ -179,7 +179,7 @@ def _draw_from_above(ax: Axes, course: Course) -> None:
 
 
 def _rectangle(corner: tuple[float, float], width: float, height: float, *, hatch: str) -> Any:
-    """Give a hatched grey rectangle."""
+    """Hatched grey rectangle."""
     from matplotlib.patches import Rectangle
 
     return Rectangle(corner, width, height, hatch=hatch, facecolor="#F2F2F2", edgecolor="#A0A0A0")
@@ -418,4 +418,54 @@ def plot_window(windows: ArrayLike, curves: Mapping[str, ArrayLike]) -> Figure:
         ax.set_ylabel("90 % error, deg")
         ax.set_ylim(bottom=0)
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
+
+
+def plot_pairs(table: pd.DataFrame, first: str, second: str) -> Figure:
+    """Plot the 90 % errors of two estimators against each other, one point per scooter and course.
+
+    Parameters
+    ----------
+    table : rows of one mounting and one reference, with columns scooter, course, estimator, angle
+        and p90_deg
+    first, second : estimators of the horizontal and the vertical axis
+
+    Returns
+    -------
+    Figure: steering and throttle. Below the diagonal the second estimator has the smaller error
+    """
+    import matplotlib.pyplot as plt
+
+    p90 = table.pivot_table(
+        index=["angle", "course", "scooter"], columns="estimator", values="p90_deg", sort=False
+    )
+    with use_style():
+        figure, panels = plt.subplots(1, 2, figsize=(8.6, 4.5))
+        for ax, angle in zip(panels, ("steering", "throttle"), strict=True):
+            rows = p90.loc[angle]
+            for k, course in enumerate(rows.index.unique("course")):
+                one = rows.loc[course]
+                ax.plot(
+                    one[first],
+                    one[second],
+                    **cue(k) | {"linestyle": "none"},
+                    alpha=0.8,
+                    label=course,
+                )
+            low, high = rows[[first, second]].to_numpy().min(), rows[[first, second]].max().max()
+            ends = np.array([0.94 * low, 1.04 * high])
+            ax.plot(ends, ends, color=COLOURS["grey"], linestyle="-", linewidth=1.0)
+            ax.text(
+                0.97, 0.05, f"{second} better", transform=ax.transAxes, ha="right", color="#555555"
+            )
+            ax.text(0.03, 0.93, f"{first} better", transform=ax.transAxes, color="#555555")
+            ax.set(
+                title=angle,
+                xlabel=f"{first}: 90 % error, deg",
+                ylabel=f"{second}: 90 % error, deg",
+                xlim=ends,
+                ylim=ends,
+                aspect="equal",
+            )
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return figure

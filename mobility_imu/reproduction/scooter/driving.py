@@ -1,9 +1,10 @@
 """Suzurikawa et al. 2022, the driving test: 4 drivers, 3 runs, 5 courses, on many drawn scooters.
 
-No recording is public. Rides are simulated with assumptions fixed beforehand, so what comes out is
-a distribution over scooters that the paper's could have been, never a copy of the paper's one.
+No recording is public. Rides are simulated with the assumptions of
+:mod:`mobility_imu.simulation.scooter`, many of them set by hand. What comes out is a distribution
+over scooters that the paper's could have been, never a copy of the paper's one.
 
-``python -m mobility_imu.reproduction.scooter.driving`` runs the whole study on two processes.
+:mod:`mobility_imu.reproduction.scooter.driving_record` keeps the whole study.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
-from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, wrap_angle
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, wrap_angle
 from mobility_imu.recording import Imu
-from mobility_imu.reproduction.claims import Claim
 from mobility_imu.scooter.driving import (
     PAPER_MEDIAN_WINDOW,
     complementary_angles,
@@ -76,7 +75,7 @@ Calibration = Callable[[ScooterUnit], Corrections]
 
 
 def known_mounting(unit: ScooterUnit) -> Corrections:
-    """Give the true mounting, as if a calibration had found it without error."""
+    """True mounting of both IMUs, as a calibration without error would find it."""
     lever, body = (
         Rotation.from_rotvec(tilt).as_matrix() for tilt in (unit.lever_mounting, unit.body_mounting)
     )
@@ -104,8 +103,17 @@ class Conditions:
 
 
 def ablations() -> dict[str, Conditions]:
-    """Give the full model, then the model with one effect switched off at a time."""
+    """Full model, then the model with one effect switched off at a time, then with few left."""
     full = Conditions()
+    nothing = Conditions(
+        layout=Layout.together(),
+        ground=SMOOTH_GROUND,
+        shaking=NO_SHAKING,
+        reference=PERFECT_REFERENCE,
+        sensor=IDEAL,
+        mounting=False,
+        median_window=1,
+    )
     return {
         "everything": full,
         "no lever arms": replace(full, layout=Layout.together()),
@@ -125,22 +133,9 @@ def ablations() -> dict[str, Conditions]:
         "ideal sensor": replace(full, sensor=IDEAL),
         "perfect reference": replace(full, reference=PERFECT_REFERENCE),
         "no median filter": replace(full, median_window=1),
-        "lever arms only": Conditions(
-            ground=SMOOTH_GROUND,
-            shaking=NO_SHAKING,
-            reference=PERFECT_REFERENCE,
-            sensor=IDEAL,
-            mounting=False,
-        ),
-        "nothing": Conditions(
-            layout=Layout.together(),
-            ground=SMOOTH_GROUND,
-            shaking=NO_SHAKING,
-            reference=PERFECT_REFERENCE,
-            sensor=IDEAL,
-            mounting=False,
-            median_window=1,
-        ),
+        "lever arms only": replace(nothing, layout=full.layout, median_window=PAPER_MEDIAN_WINDOW),
+        "mounting error only": replace(nothing, mounting=True, median_window=PAPER_MEDIAN_WINDOW),
+        "nothing": nothing,
     }
 
 
@@ -182,6 +177,13 @@ def _subtraction(ride: _Inputs) -> FloatArray:
     return _paper(ride, "subtraction", ride.window, "zero")
 
 
+def _body_x_only(ride: _Inputs) -> FloatArray:
+    # Eq. 6 with the body's x as measured, but C1 = g sin(alpha): the body's y and z do not enter.
+    level = np.broadcast_to([0.0, 0.0, STANDARD_GRAVITY_MPS2], ride.body.acc_mps2.shape).copy()
+    level[:, 0] = ride.body.acc_mps2[:, 0]
+    return _paper(ride._replace(body=Imu(level, None)), "dual", ride.window, "zero")
+
+
 def _longer_median(ride: _Inputs) -> FloatArray:
     # Zeros beyond the ends would spoil a whole second of each ride: not a fair baseline.
     return _paper(ride, "dual", LONGER_WINDOW, "nearest")
@@ -214,13 +216,15 @@ ESTIMATORS: dict[str, Estimator] = {
     "single": _single,
     "dual": _dual,
     "subtraction": _subtraction,
+    "body's x only": _body_x_only,
     "dual, longer median": _longer_median,
     "complementary filter": _complementary,
     "Kalman filter": _filter,
     "smoother": _smoother,
 }
-"""The paper's two; its reference 37's; a median over 101 samples; and three with gyroscopes, of
-which only the smoother looks ahead (as the medians do)."""
+"""The paper's two; its reference 37's; a probe that shows why reference 37's does well; the paper's
+dual estimate with a median over 101 samples; and three with gyroscopes, of which only the smoother
+looks ahead (as the medians do)."""
 
 
 @dataclass(frozen=True)
@@ -338,10 +342,14 @@ def driving_study(
 
 
 def study_scooter(scooter: int, settings: StudySettings) -> _Part:
-    """Do the part of one scooter; see :func:`driving_study`."""
+    """Part of one scooter; see :func:`driving_study`."""
     unit = draw_scooter(scooter)
     if not settings.conditions.mounting:
         unit = replace(unit, lever_mounting=(0.0, 0.0, 0.0), body_mounting=(0.0, 0.0, 0.0))
+    corrections = {
+        mounting: None if calibration is None else calibration(unit)
+        for mounting, calibration in settings.calibrations.items()
+    }
     rows: list[tuple[Any, ...]] = []
     durations: dict[tuple[str, str, str, str], FloatArray] = {}
     counts: dict[tuple[int, str, str, str, str], NDArray[np.int64]] = {}
@@ -355,9 +363,8 @@ def study_scooter(scooter: int, settings: StudySettings) -> _Part:
                 moving, truth = motion_and_truth(ride)
                 for against, values in truth.items():
                     compare[against].append(values)
-                for mounting, calibration in settings.calibrations.items():
-                    corrections = None if calibration is None else calibration(unit)
-                    inputs = _inputs(ride, moving, corrections, settings.conditions.median_window)
+                for mounting, turns in corrections.items():
+                    inputs = _inputs(ride, moving, turns, settings.conditions.median_window)
                     for name in settings.estimators:
                         angles = ESTIMATORS[name](inputs)
                         found.setdefault((mounting, name), []).append(angles)
@@ -390,7 +397,7 @@ def make_ride(
     *,
     unit: ScooterUnit | None = None,
 ) -> SimulatedRide:
-    """Drive one run of the study; the seed is a number of its own for each."""
+    """One run of the study. Scooter, course, driver and run make its seed, no two alike."""
     place = list(COURSES).index(course)
     return simulate_ride(
         COURSES[course],
@@ -406,7 +413,7 @@ def make_ride(
 
 
 def motion_and_truth(ride: SimulatedRide) -> tuple[NDArray[np.bool_], dict[str, FloatArray]]:
-    """Tell motion by the pulses, and bring wire sensors and truth to the samples in motion.
+    """Samples in motion by the pulses, with wire sensors and truth at these samples.
 
     Returns
     -------
@@ -471,7 +478,7 @@ STATEMENTS = (
 def statements(
     study: DrivingStudy, *, mounting: str = "as drawn", against: str = "wire"
 ) -> pd.DataFrame:
-    """Tell for which drawn scooters the paper's statements hold.
+    """For which drawn scooters the paper's statements hold.
 
     Returns
     -------
@@ -495,7 +502,7 @@ def statements(
 def summary(
     study: DrivingStudy, *, mounting: str = "as drawn", against: str = "wire"
 ) -> pd.DataFrame:
-    """Give median, smallest and largest P90 over the scooters, by estimator, angle and course."""
+    """Median, smallest and largest P90 over the scooters, by estimator, angle and course."""
     table = study.table
     rows = table[(table["mounting"] == mounting) & (table["against"] == against)]
     grouped = rows.groupby(["estimator", "angle", "course"], sort=False)["p90_deg"]
@@ -503,85 +510,10 @@ def summary(
 
 
 def show_summary(table: pd.DataFrame) -> pd.DataFrame:
-    """Lay out what :func:`summary` gives for reading: courses side by side, "median (min-max)"."""
+    """Summary for reading: courses side by side, "median (smallest-largest)"."""
     cells = [f"{row.median:.1f} ({row.min:.1f}-{row.max:.1f})" for row in table.itertuples()]
     flat = table.index.to_frame(index=False).assign(cell=cells)
     wide = flat.pivot_table(
         index=["estimator", "angle"], columns="course", values="cell", aggfunc="first", sort=False
     )
     return wide.rename_axis(columns=None)
-
-
-CLAIM_SCOOTERS = 5
-CLAIM_SETTINGS = StudySettings(
-    drivers=2, runs=1, estimators=("single", "dual"), calibrations={"as drawn": None}
-)
-SHARE_TOLERANCE = 0.5
-SHARE_REASON = (
-    "the paper drove one scooter: what it saw is expected of ours if it holds in half of them or "
-    "more; 5 drawn scooters, 2 drivers, 1 run"
-)
-
-
-@cache
-def _claimed() -> pd.DataFrame:
-    return statements(driving_study(range(CLAIM_SCOOTERS), CLAIM_SETTINGS))
-
-
-def _share(text: str) -> float:
-    return float(_claimed()[text].mean())
-
-
-def driving_claims() -> list[Claim]:
-    """Give the statements on the driving test, as the share of drawn scooters that bear them out.
-
-    Five scooters, two drivers and one run each, so that it takes seconds; the chapter and the whole
-    study have more.
-    """
-    return [
-        Claim(
-            work="scooter",
-            where="section 3.2, Figure 9",
-            what=f"{text} (share of drawn scooters for which it holds)",
-            published_value=1.0,
-            unit="1",
-            basis="reproduced on synthetic data",
-            compute=lambda text=text: _share(text),  # type: ignore[misc]
-            tolerance=SHARE_TOLERANCE,
-            tolerance_reason=SHARE_REASON,
-        )
-        for text in STATEMENTS
-    ]
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the study from the command line."""
-    import argparse
-    from concurrent.futures import ProcessPoolExecutor
-
-    import pandas as pd
-
-    parser = argparse.ArgumentParser(prog="python -m mobility_imu.reproduction.scooter.driving")
-    parser.add_argument("--scooters", type=int, default=20, help="how many to draw")
-    parser.add_argument("--drivers", type=int, default=DRIVERS)
-    parser.add_argument("--runs", type=int, default=RUNS, help="per driver and course")
-    parser.add_argument("--workers", type=int, default=2, help="processes")
-    parser.add_argument("-o", "--output", help="CSV file for the table")
-    given = parser.parse_args(arguments)
-    settings = StudySettings(drivers=given.drivers, runs=given.runs)
-    with ProcessPoolExecutor(given.workers) as pool:
-        study = driving_study(range(given.scooters), settings, executor=pool)
-    if given.output:
-        study.table.to_csv(given.output, index=False)
-    with pd.option_context("display.width", 160, "display.max_columns", None):
-        for mounting in settings.calibrations:
-            for against in ("wire", "truth"):
-                table = summary(study, mounting=mounting, against=against)
-                print(f"\n90 % error in deg, mounting {mounting}, against {against}:")
-                print("median (smallest-largest) over the scooters")
-                print(show_summary(table).to_string())
-                print(statements(study, mounting=mounting, against=against).mean().to_string())
-
-
-if __name__ == "__main__":
-    main()

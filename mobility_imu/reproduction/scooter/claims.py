@@ -1,0 +1,108 @@
+"""Suzurikawa et al. 2022: what the paper prints and states, each with our number beside it.
+
+Table 1 by geometry alone, what the text says of the table, its other numbers, and its statements on
+the driving test. What only the images or the recordings hold is listed as not reproducible.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mobility_imu.reproduction.claims import Claim, Quotation
+from mobility_imu.reproduction.scooter.driving import ANGLES
+from mobility_imu.reproduction.scooter.driving_claims import driving_claims
+from mobility_imu.reproduction.scooter.table_claims import table_claims
+from mobility_imu.simulation.scooter import COURSES
+
+IMAGE = "in the figure's image only; neither of our copies of the text has it"
+PRIVATE = "the recordings are not public"
+
+
+def claims() -> list[Claim]:
+    """Claims of the scooter's paper: table, text, driving test, and what cannot be had.
+
+    Returns
+    -------
+    list of Claim
+    """
+    return [*table_claims(), *driving_claims(), *_not_reproducible()]
+
+
+def _not_reproducible() -> list[Claim]:
+    """Numbers in images, and what only the recordings could give."""
+    percentiles = [
+        _lost(
+            where="Figure 9",
+            what=f"90th percentile, {angle}, {course}, {imus}",
+            unit="deg",
+            source=Quotation(
+                "The 90th percentile values of the error distributions are also shown in the "
+                "panels."
+            ),
+            reason=IMAGE,
+        )
+        for angle in ANGLES
+        for course in COURSES
+        for imus in ("single IMU", "dual IMUs")
+    ]
+    return [
+        *percentiles,
+        _lost(
+            where="Table 1",
+            what="the table from its readings",
+            unit="deg",
+            source=Quotation("Table 1 summarizes the results of the geometric evaluation"),
+            reason=PRIVATE,
+            n=100,
+        ),
+        _lost(
+            where="Figure 6",
+            what="estimated against true angles at every position",
+            unit="deg",
+            source=Quotation(
+                "Figure 6 shows line plots of the true and estimated angles for all the measurement"
+            ),
+            reason=IMAGE,
+            n=100,
+        ),
+        _lost(
+            where="Figure 7",
+            what="time series of both angles on five courses",
+            unit="deg",
+            source=Quotation("Figure 7 shows the true and estimated time series values"),
+            reason=f"{IMAGE}; {PRIVATE}",
+        ),
+        _lost(
+            where="Figure 8",
+            what="durations by true and estimated angle",
+            unit="s",
+            source=Quotation("The recorded duration at each bin with widths of 2° in both axes"),
+            reason=f"{IMAGE}; {PRIVATE}",
+        ),
+        _lost(
+            where="section 3.1",
+            what="backlash as the cause of the crosstalk",
+            unit="deg",
+            source=Quotation(
+                "The mechanical looseness or backlash in the rotational axes of both interfaces is "
+                "one possible cause of this tendency"
+            ),
+            reason=f"{PRIVATE}; the table alone cannot tell it from a lever IMU that is turned",
+        ),
+        _lost(
+            where="section 4",
+            what="the method on a single-board microcontroller",
+            unit="1",
+            source=Quotation(
+                "this performance can be sufficiently achieved with low-cost single-board "
+                "microcontrollers such as the Arduino series"
+            ),
+            reason="no such board was tried, by the paper or here",
+            experiment=False,
+        ),
+    ]
+
+
+def _lost(**given: Any) -> Claim:
+    usual: dict[str, Any] = {"work": "scooter", "basis": "not reproducible", "experiment": True}
+    return Claim(**(usual | given))
