@@ -32,6 +32,9 @@ BASES: tuple[Basis, ...] = (
 Why = Literal[
     "the print contradicts itself",
     "the printed equation is not right",
+    "right in another reading",
+    "the text leaves it open",
+    "our copy may be at fault",
     "our assumptions do not explain it",
 ]
 Verdict = Literal["agrees", "differs", "not reproducible", "needs the sample"]
@@ -83,7 +86,7 @@ class Claim:
     n : how many values, readings, frames or runs our number rests on
     tolerance : largest difference that counts as agreement
     tolerance_reason : why it is this large; says so where it was chosen with a result in view
-    why : the reason, if our number differs
+    why : the reason, if our number differs; where a finding is named, its kind says it instead
     reason : why there is no number of ours, for "not reproducible"
     trivial : what a trivial model gives, NaN where that tells nothing
     trivial_model : which model that is

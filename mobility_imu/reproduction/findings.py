@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 from mobility_imu.errors import InputError
 from mobility_imu.reproduction.claims import Work
@@ -111,7 +111,10 @@ class Finding:
     def function(self) -> Callable[[], tuple[Evidence, ...]]:
         """Function that computes the evidence."""
         module, _, name = self.check.rpartition(".")
-        return getattr(importlib.import_module(module), name)  # type: ignore[no-any-return]
+        function: Callable[[], tuple[Evidence, ...]] = getattr(
+            importlib.import_module(module), name
+        )
+        return function
 
 
 @cache
@@ -140,7 +143,9 @@ def findings(work: Work | None = None) -> tuple[Finding, ...]:
     entries = tomllib.loads(path.read_text(encoding="utf-8"))["finding"]
     found = []
     for entry in entries:
-        given = {key: tuple(v) if isinstance(v, list) else v for key, v in entry.items()}
+        given: dict[str, Any] = {
+            key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()
+        }
         try:
             finding = Finding(**given)
         except TypeError as error:

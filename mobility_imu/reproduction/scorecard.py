@@ -14,9 +14,11 @@ from mobility_imu.reproduction.claims import (
     Claim,
     Outcome,
     Quotation,
+    Why,
     Work,
     check,
 )
+from mobility_imu.reproduction.findings import Kind, findings
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -134,9 +136,35 @@ def to_records(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
     return [_record(outcome) for outcome in outcomes]
 
 
+REASONS: dict[Kind, Why] = {
+    "contradiction": "the print contradicts itself",
+    "error": "the printed equation is not right",
+    "ambiguity": "right in another reading",
+    "silence": "the text leaves it open",
+    "our copy": "our copy may be at fault",
+}
+"""Why a row differs that a finding explains, by the finding's kind."""
+
+
+def reason_of(claim: Claim) -> Why:
+    """Why a claim differs, if it does.
+
+    Parameters
+    ----------
+    claim : Claim
+
+    Returns
+    -------
+    str
+        By the kind of the finding that it names, else what the claim itself says.
+    """
+    kinds = {finding.id: finding.kind for finding in findings()}
+    return REASONS[kinds[claim.finding]] if claim.finding else claim.why
+
+
 def _record(outcome: Outcome) -> dict[str, Any]:
     claim, verdict = outcome.claim, outcome.verdict
-    why = {"differs": claim.why, "not reproducible": claim.reason}.get(verdict, "")
+    why = {"differs": reason_of(claim), "not reproducible": claim.reason}.get(verdict, "")
     compared = claim.compute is not None
     return {
         "work": claim.work,
