@@ -2,9 +2,8 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
-SOURCE := _build/source
-JB     := build $(SOURCE) --path-output . --all --config $(SOURCE)/book/_config.yml \
-          --toc $(SOURCE)/book/_toc.yml -W -n --keep-going
+JB     := build . --path-output ../.. --all --config book/_config.yml --toc book/_toc.yml \
+          -W -n --keep-going
 BOOKS  := $(shell find notebooks -name '*.ipynb' -not -path '*/.ipynb_checkpoints/*')
 
 .PHONY: book test lint lab bench record lock clean help
@@ -14,7 +13,7 @@ help:                     ## list the commands
 # Each notebook runs once, for pages and tests alike; only what a change can reach runs again.
 book: $(VENV)/.installed  ## set up, execute what changed, build the HTML strictly
 	$(BIN)/python book/execute.py --assemble
-	$(BIN)/jupyter-book $(JB)
+	cd _build/source && $(CURDIR)/$(BIN)/jupyter-book $(JB)
 	@echo; echo "The book is at file://$(CURDIR)/_build/html/index.html"
 
 test: $(VENV)/.installed  ## set up, run every test and doctest, and the notebooks that changed

@@ -12,7 +12,7 @@ SAMPLE_VARIABLE = "MOBILITY_IMU_DATA"
 SAMPLE_REPOSITORY = "https://github.com/YoannPoulet/wheelmove-IDv0"
 SAMPLE_COMMIT = "c4607af211de9dc3aa4bc7d1e4722ca2c53e12f7"
 SAMPLE_ARCHIVE = "assets/SampleData.zip"
-"""The public sample: file of the repository at that commit."""
+"""The public sample, a file of the repository at that commit."""
 SAMPLE_ARCHIVE_SHA256 = "cf6acec163e966480f2bf3e1b430b2cc87436e0c1b46d6a5d351fcbe6e454aff"
 
 

@@ -10,7 +10,9 @@ from docutils import nodes
 from docutils.statemachine import StringList
 from sphinx.util.docutils import SphinxDirective
 
-DATA = Path(__file__).resolve().parents[2] / "mobility_imu" / "reproduction" / "figures.toml"
+import mobility_imu.reproduction as package
+
+DATA = Path(str(package.__file__)).with_name("figures.toml")
 
 
 class FigureCounterparts(SphinxDirective):

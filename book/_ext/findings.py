@@ -49,8 +49,9 @@ class Findings(SphinxDirective):
         lines = [
             f"(finding-{finding.id.lower()})=",
             "::::::{card}",
+            ":::::{card-header}",
             f"**{finding.id}. {finding.title}** · {finding.place} · *{finding.kind}*",
-            "^^^",
+            ":::::",
             f"**Verdict.** {finding.verdict}",
             "",
             f"**For a user.** {finding.consequence}",

@@ -213,7 +213,7 @@ RECTANGLE = tuple(Leg(length, np.pi / 2) for length in (5.0, 3.75, 5.0, 3.75))
 frame ends with its first heading. The paper does not say whether its walkers turned there."""
 
 RECTANGLE_OPEN = (*RECTANGLE[:-1], Leg(RECTANGLE[-1].length_m))
-"""The same without the turn at the last corner: the end is the start, the heading 90 deg short. By
+"""The same without the turn at the last corner. The end is the start, the heading 90 deg short. By
 their directions 25 of the 30 rounds of Tables 3 and 4 ended so, if the end was corrected."""
 
 TIMED_UP_AND_GO = (Leg(3.0, np.pi), Leg(3.0, np.pi))

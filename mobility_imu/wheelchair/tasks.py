@@ -481,8 +481,9 @@ def _extensions(
 def reduce_variability(codes: Codes, segment: int) -> Codes:
     """Step 5: give short tasks between two stretches of one and the same task to that task.
 
-    The document sets no length; with none, a whole slalom becomes one task. The tool takes what
-    is shorter than a segment, from left to right, until nothing changes; so does this.
+    The document's example gives the length, a single segment; its general sentence alone has
+    none, and a whole slalom would become one task. The tool takes what is shorter than a segment,
+    from left to right, until nothing changes; so does this.
 
     Parameters
     ----------

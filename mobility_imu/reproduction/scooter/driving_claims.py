@@ -52,7 +52,7 @@ COIN: dict[str, Any] = {
 }
 """How a comparison of two methods is judged."""
 SLIGHT_DEG = 10.0
-"""Largest 90 % error that we call slight for one IMU: the bound that the paper has for two."""
+"""Largest 90 % error that we call slight for one IMU, the bound that the paper has for two."""
 
 LIMITS = Quotation(
     "With the dual IMUs, the 90% errors in their entirety were lower than 10° and 5° for the "

@@ -131,8 +131,8 @@ VARIANTS = tuple(
 PAPERS_WAY = tuple(
     v for v in VARIANTS if not v.smooth and v.name in (METHOD_1, METHOD_1_ROOTLESS, method_2(3))
 )
-"""Filter alone: method 1 as printed, the same without roots (for runs in which eq. 15 has no real
-root), and method 2 as printed, its velocity taken at 3 deg."""
+"""The filter alone. Method 1 as printed, the same without roots (for runs in which eq. 15 has no
+real root), and method 2 as printed, its velocity taken at 3 deg."""
 
 
 def tilt_run(
