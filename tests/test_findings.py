@@ -10,11 +10,12 @@ import pytest
 
 from mobility_imu.reproduction.claims import Cell, Quotation
 from mobility_imu.reproduction.findings import KINDS, Evidence, counts, findings, quoted
-from mobility_imu.reproduction.published import load_published
+from mobility_imu.reproduction.published import load_published, published_names
 from mobility_imu.reproduction.scorecard import WORKS, all_claims
 
 ROOT = Path(__file__).resolve().parents[1]
 FILES = {"scooter": "suzurikawa", "wheelchair": "wheelmove", "walker": "doan"}
+TABLES = {work: [name for name in published_names() if name.startswith(work)] for work in FILES}
 DASHES = dict.fromkeys(map(ord, "‐‑–−"), "-")
 PAPERS = os.environ.get("MOBILITY_IMU_PAPERS")
 needs_papers = pytest.mark.skipif(not PAPERS, reason="MOBILITY_IMU_PAPERS is not set")
@@ -121,3 +122,47 @@ def test_sentences_of_claims_are_word_for_word(work, papers):
     for claim in all_claims(work):
         if isinstance(claim.source, Quotation):
             assert any(normalised(claim.source.text) in text for text in papers[work]), claim.where
+
+
+# Numbers of a verdict that no check gives: limits and ranges that the works or their tools state,
+# and results that the named chapter asserts.
+STATED = {
+    "S1": {"4.5", "5"},
+    "S2": {"20"},
+    "S3": {"7", "50"},
+    "S4": {"0.05", "0.24", "5"},
+    "S8": {"100", "5", "6"},
+    "W3": {"1", "0.3"},
+    "W9": {"19"},
+    "W12": {"10", "30", "0.30", "100", "1.5"},
+    "K4": {"0.01"},
+    "K7": {"1", "3"},
+    "K18": {"10"},
+    "K19": {"3", "1.5", "1.7"},
+}
+
+
+def numbers_of(text):
+    """Numbers in prose; those of equations, tables and names are left out."""
+    plain = re.sub(
+        r"\$[^$]*\$|\([0-9.]+\)|\bpose \d|\b[A-Z]\d+|row \d|cell \d-\w|step \d", " ", text
+    )
+    return re.findall(r"(?<![\w.])\d+(?:\.\d+)?(?![\w.]*\d)", plain)
+
+
+@pytest.mark.parametrize("finding", findings(), ids=lambda f: f.id)
+def test_numbers_of_a_verdict_are_those_of_its_check(finding):
+    known = [abs(x) for e in finding.evidence() for x in (e.first, e.second, e.truth) if x == x]
+    cells = set().union(*(set(load_published(name)["printed"]) for name in TABLES[finding.work]))
+    told = " ".join(finding.quotation) + " ".join(
+        f"{e.what} {e.first_from} {e.second_from}" for e in finding.evidence()
+    )
+    for number in numbers_of(finding.verdict):
+        digits = len(number.partition(".")[2])
+        near = any(abs(round(value, digits) - float(number)) < 1e-9 for value in known)
+        assert (
+            near
+            or number in cells
+            or number in STATED.get(finding.id, ())
+            or re.search(rf"(?<![\d.]){re.escape(number)}(?!\d)", told)
+        ), f"{finding.id}: {number} in its verdict comes from nowhere"

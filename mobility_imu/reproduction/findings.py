@@ -30,6 +30,16 @@ KINDS: dict[Kind, str] = {
 """Kinds of findings and what each means."""
 
 
+Relation = Literal["apart", "together", "first above", "first below"]
+OPPOSITE: dict[Relation, Relation] = {
+    "apart": "together",
+    "together": "apart",
+    "first above": "first below",
+    "first below": "first above",
+}
+"""Each relation and the one that must not hold beside it."""
+
+
 class Evidence(NamedTuple):
     """Numbers that a finding stands or falls with.
 
@@ -41,6 +51,7 @@ class Evidence(NamedTuple):
     truth : what it has to be, NaN if nobody knows
     tolerance : differences up to this do not count
     unit : of all numbers
+    relation : claimed of the first to the second where the truth is not known
     """
 
     what: str
@@ -51,23 +62,30 @@ class Evidence(NamedTuple):
     truth: float = math.nan
     tolerance: float = 0.0
     unit: str = ""
+    relation: Relation = "apart"
 
     def holds(self) -> bool:
         """Whether the numbers bear the finding out.
 
-        With a known truth: the second has it and the first has not. Without: the two differ.
+        With a known truth: the second has it and the first has not. Without: as the relation says.
         """
-        if math.isnan(self.truth):
-            return abs(self.first - self.second) > self.tolerance
-        return (
-            abs(self.first - self.truth) > self.tolerance
-            and abs(self.second - self.truth) <= self.tolerance
-        )
+        if not math.isnan(self.truth):
+            return (
+                abs(self.first - self.truth) > self.tolerance
+                and abs(self.second - self.truth) <= self.tolerance
+            )
+        above = self.first - self.second
+        return {
+            "apart": abs(above) > self.tolerance,
+            "together": abs(above) <= self.tolerance,
+            "first above": above > self.tolerance,
+            "first below": -above > self.tolerance,
+        }[self.relation]
 
     def inverted(self) -> Evidence:
-        """The same with the claimed relation the other way round; it must not hold."""
+        """The same numbers with the opposite claim: it must not hold."""
         if math.isnan(self.truth):
-            return self._replace(first=self.second)
+            return self._replace(relation=OPPOSITE[self.relation])
         return self._replace(first=self.second, second=self.first)
 
 

@@ -30,7 +30,7 @@ def published_names() -> list[str]:
 
 
 def load_published(name: str) -> pd.DataFrame:
-    """One published table, one line per printed cell, misprints included.
+    """One published table, one line per printed cell, apparent misprints included.
 
     Parameters
     ----------

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from mobility_imu.frames import FloatArray
-from mobility_imu.reproduction.findings import Evidence, quoted
+from mobility_imu.reproduction.findings import Evidence, Relation, quoted
 from mobility_imu.reproduction.published import load_published
+from mobility_imu.reproduction.recorded import numbers
+from mobility_imu.reproduction.scooter.driving_record import recorded_study, smaller_than
 from mobility_imu.reproduction.scooter.static_table import (
     SLOPE_RAD,
     STEERING_POSITIONS_RAD,
@@ -98,7 +100,24 @@ def beyond_the_domain() -> Evidences:
             tolerance=0.1,
             unit="deg",
         ),
+        Evidence(
+            what="smallest steering angle without a real value, one IMU, 7° uphill",
+            first_from="equation 6",
+            first=_first_lost_deg(),
+            second_from="end of the stated range",
+            second=50.0,
+            relation="first below",
+            unit="deg",
+        ),
     )
+
+
+def _first_lost_deg() -> float:
+    wheel = np.deg2rad(np.arange(0, 60, 0.01))
+    reading = lever_acceleration(body_specific_force(np.deg2rad(7), 0.0), wheel, 0.0, SUZUKI_ET4D)
+    level = np.broadcast_to(body_specific_force(0.0, 0.0), reading.shape)
+    lost = np.isnan(steering_angle(reading, level, SUZUKI_ET4D))
+    return float(np.rad2deg(wheel[lost][0]))
 
 
 def right_side_slope() -> Evidences:
@@ -158,11 +177,13 @@ def meaning_of_the_sd() -> Evidences:
 
 
 def side_that_is_up() -> Evidences:
-    """S7: the single-IMU cell that changes most with the side that is up."""
+    """S7: the cell that changes most with the side that is up, and the cells that match."""
     keys = ["row", "column", "quantity"]
+    printed = load_published("scooter_table1").set_index(keys)["value"]
     left, right = (static_table(left_row_ax_sign=sign).set_index(keys)["value"] for sign in (-1, 1))
-    apart = (left - right).abs()
-    cell = apart[[key for key in apart.index if key[2] == "single_mae"]].idxmax()
+    single = [key for key in left.index if key[2] == "single_mae"]
+    cell = (left - right).abs()[single].idxmax()
+    near = [float(((way - printed)[single].abs() <= 1).sum()) for way in (left, right)]
     return (
         Evidence(
             what=f'mean error with one IMU, row "{cell[0]} side slope", column {cell[1]}',
@@ -172,6 +193,14 @@ def side_that_is_up() -> Evidences:
             second=float(right[cell]),
             tolerance=0.5,
             unit="deg",
+        ),
+        Evidence(
+            what="cells of 25 with one IMU that geometry meets within 1°",
+            first_from="left side up",
+            first=near[0],
+            second_from="left side down",
+            second=near[1],
+            relation="together",
         ),
     )
 
@@ -194,11 +223,15 @@ def merit_over_subtraction() -> Evidences:
 
     slope = body_specific_force(0.0, np.deg2rad(7))
     braking = body_specific_force(0.0, 0.0) + np.array([0.0, -1.0, 0.0])
-    cases = (
-        ("wheel at ±20°, side slope of 7°, ideal sensors", errors(slope, 20.0, 0.0)),
-        ("wheel straight, braking by 1 m/s², lever's x off by 0.1 m/s²", errors(braking, 0.0, 0.1)),
+    cases: tuple[tuple[str, tuple[float, float], Relation], ...] = (
+        ("wheel at ±20°, side slope of 7°, ideal sensors", errors(slope, 20.0, 0.0), "first below"),
+        (
+            "wheel straight, braking by 1 m/s², lever's x off by 0.1 m/s²",
+            errors(braking, 0.0, 0.1),
+            "first above",
+        ),
     )
-    return tuple(
+    at_rest = tuple(
         Evidence(
             what=f"mean absolute steering error, {what}",
             first_from="equations 6 and 7",
@@ -207,6 +240,20 @@ def merit_over_subtraction() -> Evidences:
             second=subtraction,
             tolerance=0.05,
             unit="deg",
+            relation=relation,
         )
-        for what, (dual, subtraction) in cases
+        for what, (dual, subtraction), relation in cases
+    )
+    study = recorded_study(numbers("scooter_driving"))
+    wins = int(smaller_than(study, "subtraction", "dual").loc["steering"].sum())
+    return (
+        *at_rest,
+        Evidence(
+            what="pairs of scooter and course (of 100) with the smaller steering error, simulated",
+            first_from="subtraction",
+            first=float(wins),
+            second_from="equations 6 and 7",
+            second=float(100 - wins),
+            relation="first above",
+        ),
     )

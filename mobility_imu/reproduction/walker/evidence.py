@@ -8,12 +8,16 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.frames import FloatArray
 from mobility_imu.reproduction.findings import Evidence, quoted
 from mobility_imu.reproduction.walker.tables import (
+    POSES,
     PRINT_DEFECT,
     best_repair,
+    implied_headings,
     lever_arm_ratio,
+    nearest_rotation,
     pose_rotation,
     pose_translation,
     printed_average,
+    repaired_rotation,
     runs,
 )
 from mobility_imu.walker.calibration import (
@@ -192,8 +196,26 @@ def entry_of_pose_1() -> Evidences:
 
 
 def entry_of_pose_2() -> Evidences:
-    """K11: defect of the matrix of pose 2."""
-    return (_entry("2"),)
+    """K11: defect of the matrix of pose 2, and how far its nearest rotation is off."""
+    printed, repaired = pose_rotation("2"), repaired_rotation("2")
+
+    def off_deg(matrix: FloatArray) -> float:
+        turn = Rotation.from_matrix(nearest_rotation(matrix) @ repaired.T)
+        return float(np.rad2deg(turn.magnitude()))
+
+    return (
+        _entry("2"),
+        Evidence(
+            what="nearest rotation against the repaired one",
+            first_from="matrix as our copy has it",
+            first=off_deg(printed),
+            second_from="matrix repaired",
+            second=off_deg(repaired),
+            truth=0.0,
+            tolerance=0.01,
+            unit="deg",
+        ),
+    )
 
 
 def two_averages() -> Evidences:
@@ -231,17 +253,37 @@ def difference_of_tables_3_and_4() -> Evidences:
     same_heading = np.linalg.norm(
         walking_displacement(np.zeros(3), np.zeros(3), np.eye(3), np.eye(3), [0.1, 0.1, 0.0])
     )
-    return tuple(
+    ratios = tuple(
         Evidence(
             what=f"difference of the closing errors over the lever arm, {name} of thirty rounds",
-            first_from="Tables 1, 3 and 4",
-            first=float(value),
-            second_from="(27) at both ends, a round that ends as it began",
-            second=float(same_heading),
-            tolerance=0.9,
+            first_from="(27) at both ends, a round that ends as it began",
+            first=float(same_heading),
+            second_from="Tables 1, 3 and 4",
+            second=float(value),
+            truth=1.0,
+            tolerance=0.007,
         )
         for name, value in (("smallest", ratio.min()), ("largest", ratio.max()))
     )
+    arms = [
+        float(np.mean([np.hypot(*pose_translation(pose, method)[:2]) for pose in POSES]))
+        for method in (1, 2)
+    ]
+    printed = [printed_average(3, "distance"), printed_average(4, "position")]
+    lengths = tuple(
+        Evidence(
+            what=f"mean horizontal lever arm beside the printed closing error, method {k + 1}",
+            first_from="lever arm, Table 1",
+            first=arms[k],
+            second_from=f"closing error, Table {k + 3}",
+            second=printed[k],
+            tolerance=0.1,
+            unit="m",
+            relation="first below",
+        )
+        for k in range(2)
+    )
+    return (*ratios, *lengths)
 
 
 def moment_of_the_initial_velocity() -> Evidences:
@@ -285,6 +327,9 @@ def what_the_rectangle_tests() -> Evidences:
             1000 * np.linalg.norm(walking_displacement(*args, wrong) - walking_displacement(*args))
         )
 
+    headings = np.rad2deg(implied_headings())
+    late = np.abs(headings + 90) < 30
+
     return (
         Evidence(
             what="change of the closing error by an error of T of 100 mm",
@@ -294,6 +339,14 @@ def what_the_rectangle_tests() -> Evidences:
             second=effect_mm(270.0),
             tolerance=1.0,
             unit="mm",
+        ),
+        Evidence(
+            what="rounds of thirty, by the direction in which Tables 3 and 4 differ",
+            first_from=f"end a quarter turn from the start (mean {headings[late].mean():.0f}°)",
+            first=float(late.sum()),
+            second_from="end near their first heading",
+            second=float((np.abs(headings) < 30).sum()),
+            relation="first above",
         ),
     )
 
@@ -339,7 +392,29 @@ def difference_of_the_methods() -> Evidences:
             tolerance=0.05,
             unit="m",
         ),
+        Evidence(
+            what="the same, by pose",
+            first_from="pose in which the second method comes out best",
+            first=float(by_pose.min()),
+            second_from="pose in which it comes out worst",
+            second=float(by_pose.max()),
+            unit="m",
+            relation="first below",
+        ),
+        Evidence(
+            what="mean distance between the two positions beside the error of the mean",
+            first_from="distance of T1 and T2, Table 1",
+            first=float(np.mean([_apart(pose) for pose in POSES])),
+            second_from="difference of the mean closing errors",
+            second=float(abs(by_pose.mean())),
+            unit="m",
+            relation="first above",
+        ),
     )
+
+
+def _apart(pose: str) -> float:
+    return float(np.linalg.norm(pose_translation(pose, 1) - pose_translation(pose, 2)))
 
 
 def place_of_the_scalar() -> Evidences:
@@ -379,18 +454,36 @@ def transposes() -> Evidences:
     def off_deg(matrix: FloatArray) -> float:
         return float(np.rad2deg(Rotation.from_matrix(matrix @ imu_to_body.T).magnitude()))
 
-    as_copied = body_to_world @ rotation_world_to_imu(q_1).T
+    as_in_2 = body_to_world @ rotation_world_to_imu(q_1).T
+    turned = [
+        float(np.rad2deg(Rotation.from_matrix(c.T @ c.T).magnitude()))
+        for c in map(repaired_rotation, POSES[:4])
+    ]
+    wrong_way = tuple(
+        Evidence(
+            what=f"turn by Table 1 read the wrong way round, {name} of poses 1 to 4",
+            first_from="as body to IMU",
+            first=value,
+            second_from="as IMU to body",
+            second=0.0,
+            truth=0.0,
+            tolerance=1.0,
+            unit="deg",
+        )
+        for name, value in (("smallest", min(turned)), ("largest", max(turned)))
+    )
     return (
         Evidence(
-            what="error of the mount by (7), a simulated mount",
-            first_from="as our copy has it",
-            first=off_deg(as_copied),
-            second_from="first factor transposed",
+            what="error of the mount by (7), a simulated mount turned by 40°",
+            first_from="factor of (2): body to world",
+            first=off_deg(as_in_2),
+            second_from="lower index as the target: world to body",
             second=off_deg(rotation_imu_to_body(body_to_world, q_1)),
             truth=0.0,
             tolerance=1e-6,
             unit="deg",
         ),
+        *wrong_way,
     )
 
 
@@ -471,12 +564,12 @@ def lengths_by_tape() -> Evidences:
     longer = WalkerGeometry(footprint_width_m=width + 0.01, footprint_length_m=length + 0.01)
     return (
         Evidence(
-            what="height of the IMU by (14), pose 1",
+            what="error of the height by (14), pose 1",
             first_from="AB and AD measured 10 mm too long",
-            first=1000 * float(position_four_tilts(distances, longer)[2]),
+            first=1000 * float(position_four_tilts(distances, longer)[2] - h),
             second_from="AB and AD measured exactly",
-            second=1000 * float(position_four_tilts(distances, FOOTPRINT)[2]),
-            truth=1000 * float(h),
+            second=1000 * float(position_four_tilts(distances, FOOTPRINT)[2] - h),
+            truth=0.0,
             tolerance=0.5,
             unit="mm",
         ),

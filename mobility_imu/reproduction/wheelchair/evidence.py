@@ -16,7 +16,12 @@ from mobility_imu.reproduction.wheelchair.printed import (
     velocity_printed,
     yaw_rate_printed,
 )
-from mobility_imu.reproduction.wheelchair.sample import SAMPLE_CHAIR, open_combinations
+from mobility_imu.reproduction.wheelchair.sample import (
+    SAMPLE_CHAIR,
+    SIGNALS,
+    letter_combinations,
+    open_combinations,
+)
 from mobility_imu.wheelchair.calibration import (
     alignment_matrix,
     frame_alignment_angles,
@@ -24,6 +29,7 @@ from mobility_imu.wheelchair.calibration import (
 )
 from mobility_imu.wheelchair.geometry import DOCUMENT_TO_CHAIR, Side, side_sign
 from mobility_imu.wheelchair.tasks import (
+    Symbols,
     Task,
     TaskSettings,
     curvature_radius,
@@ -219,19 +225,24 @@ def letters_without_a_task() -> Evidences:
             what="combinations of letters (of 36) without a task",
             first_from="Table 2 as printed",
             first=float(open_combinations()),
-            second_from="a table that covers every frame, as the text wants it",
-            second=0.0,
+            second_from="the public tool's rule and ours",
+            second=float(np.count_nonzero(_codes_of_all_combinations() == 0)),
             tolerance=0.5,
         ),
         Evidence(
             what="forward frames of 200, a chair that rocks back and forth (mean −0.025 m/s)",
             first_from="the public tool's rule and ours",
             first=float((by_rule == Task.FORWARD).sum()),
-            second_from="columns of Table 2",
-            second=0.0,
+            second_from="frames with the letter c for the velocity, as Table 2 wants it",
+            second=float((steps.symbols.velocity[middle] == "abc".index("c")).sum()),
             tolerance=0.5,
         ),
     )
+
+
+def _codes_of_all_combinations() -> FloatArray:
+    rows = [["abc".index(row[signal]) for signal in SIGNALS] for row in letter_combinations()]
+    return np.asarray(find_pattern(Symbols(*np.array(rows, np.int8).T)))
 
 
 def isolated_task() -> Evidences:
@@ -321,9 +332,9 @@ def year_of_a_reference() -> Evidences:
     )
 
 
-def _start_and_stop() -> tuple[FloatArray, FloatArray]:
-    """A chair that starts and stops gently: velocity in m/s, yaw rate in rad/s, at 100 Hz."""
-    ramp = np.linspace(0.0, 1.0, 150)
+def _start_and_stop(ramp_s: float) -> tuple[FloatArray, FloatArray]:
+    """A chair that starts and stops: velocity in m/s, yaw rate in rad/s, at 100 Hz."""
+    ramp = np.linspace(0.0, 1.0, round(100 * ramp_s))
     still = np.zeros(100)
     speed = np.concatenate([still, ramp, np.ones(200), ramp[::-1], still])
     return speed, np.zeros(len(speed))
@@ -331,20 +342,30 @@ def _start_and_stop() -> tuple[FloatArray, FloatArray]:
 
 def reach_of_step_4() -> Evidences:
     """W12: frames of forward propulsion, reach of step 4 as in the tool and half of it."""
-    speed, yaw = _start_and_stop()
 
-    def forward(look_s: float) -> float:
-        codes = identify_tasks(speed, yaw, 100, TaskSettings(look_s=look_s))
+    def forward(look_s: float, ramp_s: float) -> float:
+        settings = TaskSettings(look_s=look_s)
+        codes = identify_tasks(*_start_and_stop(ramp_s), 100, settings)
         return float((codes == Task.FORWARD).sum())
 
+    half, tool = 0.15, TaskSettings().look_s
     return (
         Evidence(
-            what="forward frames of a gentle start and stop (1 m/s in 1.5 s)",
-            first_from="look 0.15 s from each edge",
-            first=forward(0.15),
-            second_from="look until 0.1 m/s is reached",
-            second=forward(5.0),
+            what="forward frames, start and stop of 0.5 s each",
+            first_from="reach of 0.15 s",
+            first=forward(half, 0.5),
+            second_from="reach of 0.30 s, the public tool's at 100 Hz",
+            second=forward(tool, 0.5),
             tolerance=0.5,
+        ),
+        Evidence(
+            what="forward frames, start and stop of 1.5 s each",
+            first_from="reach of 0.15 s",
+            first=forward(half, 1.5),
+            second_from="reach of 0.30 s",
+            second=forward(tool, 1.5),
+            tolerance=0.5,
+            relation="together",
         ),
     )
 
