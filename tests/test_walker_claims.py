@@ -8,6 +8,7 @@ import pytest
 
 from mobility_imu.reproduction.claims import Cell, check
 from mobility_imu.reproduction.recorded import is_stale
+from mobility_imu.reproduction.scorecard import reason_of
 from mobility_imu.reproduction.walker.claims import claims
 from mobility_imu.reproduction.walker.studies import (
     LEVELS,
@@ -75,7 +76,7 @@ def test_no_number_of_tables_1_to_4_is_said_to_be_reproduced_from_a_recording(ou
     missing = [o for o in outcomes if "from the recording" in o.claim.where]
     assert len(missing) == 30 + 20
     assert {o.verdict for o in missing} == {"not reproducible"}
-    assert {o.claim.reason for o in missing} == {"the recordings are not public"}
+    assert {o.claim.reason for o in missing} == {"not published"}
 
 
 def test_simulated_errors_are_far_below_the_papers(outcomes):
@@ -90,6 +91,30 @@ def test_simulated_errors_are_far_below_the_papers(outcomes):
             assert abs(outcome.ours - outcome.claim.trivial) < 0.05 < 0.1 < abs(outcome.difference)
         else:
             assert outcome.ours < 0.25 * outcome.claim.target
+
+
+def test_reasons_blame_the_print_only_where_the_print_errs(outcomes):
+    """Our closing errors contain the lever arm already; what they still lack is our gap."""
+    differ = [o.claim for o in outcomes if o.verdict == "differs"]
+    closing = [c for c in differ if c.what == "mean closing error of the rectangle"]
+    assert {reason_of(c) for c in closing} == {"our assumptions do not explain it"}
+    reasons = {c.finding: reason_of(c) for c in differ if c not in closing and c.finding}
+    assert reasons["K4"] == "the print is not right"
+    assert reasons["K6"] == "the print contradicts itself"
+    assert reasons["K12"] == "right in another reading"
+    assert {reasons[k] for k in ("K1", "K3", "K5", "K10", "K11")} == {"our copy may be at fault"}
+
+
+def test_algebra_is_no_experiment(outcomes):
+    """(28) needs no walk, and how Tables 3 and 4 were made is our finding, not a statement."""
+    algebra = [
+        o.claim
+        for o in outcomes
+        if o.claim.basis == "computed on simulated data" and o.claim.finding in ("K6", "K8")
+    ]
+    ours = [c for c in algebra if "difference of the two closing errors" in c.what]
+    assert len(ours) == 3 and sum(c.finding == "K8" for c in algebra) == 3
+    assert not any(c.experiment for c in algebra if c.finding == "K8" or c in ours)
 
 
 def test_the_record_is_of_this_code_and_table():

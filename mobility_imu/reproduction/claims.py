@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from mobility_imu.errors import InputError
 
@@ -31,7 +31,7 @@ BASES: tuple[Basis, ...] = (
 )
 Why = Literal[
     "the print contradicts itself",
-    "the printed equation is not right",
+    "the print is not right",
     "right in another reading",
     "the text leaves it open",
     "our copy may be at fault",
@@ -39,6 +39,10 @@ Why = Literal[
 ]
 Verdict = Literal["agrees", "differs", "not reproducible", "needs the sample"]
 VERDICTS: tuple[Verdict, ...] = ("agrees", "differs", "not reproducible", "needs the sample")
+COIN_TAIL = 0.05
+"""A share counts as "holds" if a coin reaches it less often than this."""
+COIN: dict[str, Any] = {"trivial": 0.5, "trivial_model": "a coin"}
+"""Trivial model of a comparison of two methods."""
 
 
 class Cell(NamedTuple):
@@ -86,13 +90,18 @@ class Claim:
     n : how many values, readings, frames or runs our number rests on
     tolerance : largest difference that counts as agreement
     tolerance_reason : why it is this large; says so where it was chosen with a result in view
-    why : the reason, if our number differs; where a finding is named, its kind says it instead
+    bound : "below" or "above" if the target is a bound that our number has to keep, "" if our
+        number has to equal the target
+    why : the reason, if our number differs. None: the kind of the finding says it, or else our
+        assumptions do not explain it
     reason : why there is no number of ours, for "not reproducible"
     trivial : what a trivial model gives, NaN where that tells nothing
     trivial_model : which model that is
     experiment : whether the statement is about what was measured in the work's experiment
     finding : id of the finding that explains a difference, "" if none
     needs_sample : whether the computation reads the public sample
+    copied : whether our number is a setting that we took from the print, so that agreement says
+        only that we copied it right
     """
 
     work: Work
@@ -108,13 +117,15 @@ class Claim:
     n: int = 1
     tolerance: float = 0.0
     tolerance_reason: str = ""
-    why: Why = "our assumptions do not explain it"
+    bound: Literal["", "below", "above"] = ""
+    why: Why | None = None
     reason: str = ""
     trivial: float = math.nan
     trivial_model: str = ""
     experiment: bool = False
     finding: str = ""
     needs_sample: bool = False
+    copied: bool = False
 
     def __post_init__(self) -> None:
         """Refuse a row that does not say what it compares."""
@@ -132,6 +143,8 @@ class Claim:
             raise InputError(f"{self.where}: a reference of unknown origin")
         if not self.tolerance_reason:
             raise InputError(f"{self.where}: a tolerance without a reason")
+        if self.bound and self.tolerance:
+            raise InputError(f"{self.where}: a bound is kept or not, it has no tolerance")
 
     @property
     def target(self) -> float:
@@ -159,22 +172,57 @@ class Outcome:
 
     @property
     def verdict(self) -> Verdict:
-        """Agreement within the tolerance (and a rounding of the last float digit)."""
+        """Agreement: a bound kept, or within the tolerance and the last digit of a float."""
         if self.claim.compute is None:
             return "not reproducible"
         if math.isnan(self.ours):
             return "needs the sample" if self.claim.needs_sample else "not reproducible"
-        return "agrees" if self._near(self.ours) else "differs"
+        return "agrees" if self._fits(self.ours) else "differs"
 
     @property
     def trivial_agrees(self) -> bool:
         """Whether the trivial model would have agreed as well."""
-        return not math.isnan(self.claim.trivial) and self._near(self.claim.trivial)
+        return not math.isnan(self.claim.trivial) and self._fits(self.claim.trivial)
 
-    def _near(self, value: float) -> bool:
+    def _fits(self, value: float) -> bool:
+        if self.claim.bound == "below":
+            return value < self.claim.target
+        if self.claim.bound == "above":
+            return value > self.claim.target
         return abs(value - self.claim.target) <= self.claim.tolerance + 1e-9
 
 
 def check(claim: Claim) -> Outcome:
     """Our number for a claim, computed now."""
     return Outcome(claim, math.nan if claim.compute is None else float(claim.compute()))
+
+
+def share_rule(cases: int, note: str = "") -> dict[str, Any]:
+    """How a share of cases is judged that should be 1: a coin must hardly reach it.
+
+    Parameters
+    ----------
+    cases : scooters, pairs, rounds or courses
+    note : added to the reason
+
+    Returns
+    -------
+    dict
+        ``n``, ``tolerance`` and ``tolerance_reason`` of a Claim. The smallest count is asked for
+        that a fair coin reaches with a probability below 5 %.
+    """
+    tails = [0.0] * (cases + 2)
+    for k in range(cases, -1, -1):
+        tails[k] = tails[k + 1] + math.comb(cases, k) / 2**cases
+    least = next((k for k in range(cases + 1) if tails[k] < COIN_TAIL), None)
+    if least is None:
+        raise InputError(f"{cases} cases: a coin gets all of them right too often to judge a share")
+    reason = (
+        f"{least} of {cases} or more: a coin reaches this in under 5 % "
+        f"({100 * tails[least]:.1f} %, cases taken as independent)"
+    )
+    return {
+        "n": cases,
+        "tolerance": 1 - least / cases,
+        "tolerance_reason": f"{reason}; {note}" if note else reason,
+    }

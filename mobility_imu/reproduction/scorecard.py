@@ -27,7 +27,8 @@ WORKS: tuple[Work, ...] = get_args(Work)
 NO_RECORDING = (
     "No recording of a study was available to us, so no published result was reproduced from one. "
     "What was recomputed from printed numbers, follows from geometry, was computed on the public "
-    "sample of WheelMove-ID or on simulated data is counted apart. The authors have not been asked."
+    "sample of WheelMove-ID or on simulated data is counted apart. The scooter's authors offer "
+    "their data on request; neither they nor the others have been asked."
 )
 """The sentence with which page, front page and command begin."""
 
@@ -55,23 +56,25 @@ WORK_VERDICTS = (
         "replication",
         "partial",
         "The equations are right, and geometry explains most errors of one IMU at rest. The "
-        "errors of two IMUs and the driving test need the readings, which are not public; in our "
-        "simulation the statements on the driving test hold for some scooters only.",
+        "errors of two IMUs and the driving test need the readings. The readings are not published "
+        "(the paper offers them on request; we have not asked). In our simulation the statements "
+        "on the driving test hold for some scooters only.",
     ),
     WorkVerdict(
         "wheelchair",
         "reproduction",
         "partial",
-        "The public tool's labels come out frame by frame. The document itself prints no results. "
-        "The term for camber has to be changed before the wheels show the right yaw rate.",
+        "Of the public tool's answers, not of a study: its labels come out frame by frame. "
+        "The document itself prints no results. The term for camber has to be changed "
+        "before the wheels show the right yaw rate.",
     ),
     WorkVerdict(
         "walker",
         "replication",
         "partial",
         "The calibration works in simulation, and the printed averages recompute. The distances "
-        "and closing errors need the recordings, which are not public; the closing errors contain "
-        "a lever arm, so that they are no target.",
+        "and closing errors need the recordings, which are not published; the closing errors "
+        "contain a lever arm, so that they are no target.",
     ),
 )
 """One verdict for each work; the scorecard's page defines the scale."""
@@ -130,15 +133,15 @@ def to_records(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
     list of dict
         ``work``, ``where``, ``what``, ``unit``, ``published`` (text, digits as printed), ``source``
         (the cell, or the sentence), ``reference``, ``reference_from``, ``ours``, ``difference``,
-        ``tolerance``, ``tolerance_reason``, ``basis``, ``n``, ``verdict``, ``why``, ``trivial``,
-        ``trivial_model``, ``trivial_agrees``, ``experiment``, ``finding``.
+        ``tolerance``, ``tolerance_reason``, ``bound``, ``basis``, ``n``, ``verdict``, ``why``,
+        ``trivial``, ``trivial_model``, ``trivial_agrees``, ``experiment``, ``copied``, ``finding``.
     """
     return [_record(outcome) for outcome in outcomes]
 
 
 REASONS: dict[Kind, Why] = {
     "contradiction": "the print contradicts itself",
-    "error": "the printed equation is not right",
+    "error": "the print is not right",
     "ambiguity": "right in another reading",
     "silence": "the text leaves it open",
     "our copy": "our copy may be at fault",
@@ -156,10 +159,14 @@ def reason_of(claim: Claim) -> Why:
     Returns
     -------
     str
-        By the kind of the finding that it names, else what the claim itself says.
+        What the claim itself says, else by the kind of the finding that it names, else that our
+        assumptions do not explain it.
     """
-    kinds = {finding.id: finding.kind for finding in findings()}
-    return REASONS[kinds[claim.finding]] if claim.finding else claim.why
+    if claim.why is not None:
+        return claim.why
+    if not claim.finding:
+        return "our assumptions do not explain it"
+    return REASONS[next(f.kind for f in findings(claim.work) if f.id == claim.finding)]
 
 
 def _record(outcome: Outcome) -> dict[str, Any]:
@@ -179,6 +186,7 @@ def _record(outcome: Outcome) -> dict[str, Any]:
         "difference": _number(outcome.difference),
         "tolerance": claim.tolerance if compared else None,
         "tolerance_reason": claim.tolerance_reason or None,
+        "bound": claim.bound or None,
         "basis": claim.basis,
         "n": claim.n,
         "verdict": verdict,
@@ -187,6 +195,7 @@ def _record(outcome: Outcome) -> dict[str, Any]:
         "trivial_model": claim.trivial_model or None,
         "trivial_agrees": outcome.trivial_agrees,
         "experiment": claim.experiment,
+        "copied": claim.copied,
         "finding": claim.finding or None,
     }
 
@@ -213,8 +222,9 @@ def totals(outcomes: Sequence[Outcome]) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        Index work and basis, a column for each verdict, and ``trivial too``: of those that agree,
-        the ones with which a trivial model agrees as well.
+        Index work and basis, a column for each verdict, and two that count rows among those that
+        agree: ``trivial too``, where a trivial model agrees as well, and ``settings copied``, where
+        our number is a setting taken from the print.
     """
     import pandas as pd
 
@@ -225,6 +235,7 @@ def totals(outcomes: Sequence[Outcome]) -> pd.DataFrame:
                 "basis": o.claim.basis,
                 "verdict": o.verdict,
                 "trivial too": o.verdict == "agrees" and o.trivial_agrees,
+                "settings copied": o.verdict == "agrees" and o.claim.copied,
             }
             for o in outcomes
         ]
@@ -233,7 +244,7 @@ def totals(outcomes: Sequence[Outcome]) -> pd.DataFrame:
     wanted = [(w, b) for w in WORKS for b in BASES if (w, b) in counted.index]
     counted = counted.reindex(index=pd.MultiIndex.from_tuples(wanted, names=["work", "basis"]))
     counted = counted.reindex(columns=list(VERDICTS), fill_value=0)
-    return counted.join(table.groupby(["work", "basis"])["trivial too"].sum())
+    return counted.join(table.groupby(["work", "basis"])[["trivial too", "settings copied"]].sum())
 
 
 class Experiments(NamedTuple):
@@ -241,10 +252,13 @@ class Experiments(NamedTuple):
 
     Parameters
     ----------
-    agree, all : numbers of statements
+    agree : number of statements that our simulations bear out
+    trivial : how many of these a trivial model bears out as well
+    all : number of statements
     """
 
     agree: int
+    trivial: int
     all: int
 
 
@@ -262,7 +276,8 @@ def simulated_experiments(outcomes: Iterable[Outcome]) -> Experiments:
     chosen = [
         o for o in outcomes if o.claim.experiment and o.claim.basis == "computed on simulated data"
     ]
-    return Experiments(sum(o.verdict == "agrees" for o in chosen), len(chosen))
+    agree = [o for o in chosen if o.verdict == "agrees"]
+    return Experiments(len(agree), sum(o.trivial_agrees for o in agree), len(chosen))
 
 
 def print_scorecard(outcomes: list[Outcome], *, everything: bool = False) -> None:
@@ -285,7 +300,8 @@ def print_scorecard(outcomes: list[Outcome], *, everything: bool = False) -> Non
     experiments = simulated_experiments(outcomes)
     console.print(
         f"Statements on the works' experiments, tried by simulation: {experiments.agree} of "
-        f"{experiments.all} agree.\n"
+        f"{experiments.all} agree; a trivial model meets {experiments.trivial} of those that "
+        "agree.\n"
     )
     chosen = [o for o in outcomes if everything or o.verdict == "differs"]
     console.print(_rows_table(chosen, escape, "All rows" if everything else "Rows that differ"))
@@ -295,10 +311,23 @@ def print_scorecard(outcomes: list[Outcome], *, everything: bool = False) -> Non
         )
 
 
+COUNTED_AMONG = (
+    "Among the rows that agree: trivial too, where a trivial model agrees as well; settings "
+    "copied, where our number is a setting taken from the print, so that only our "
+    "copying was checked."
+)
+"""What the last two columns of the totals count."""
+
+
 def _totals_table(outcomes: list[Outcome]) -> Any:
     from rich.table import Table
 
-    table = Table(title="What was compared, by work and basis", title_justify="left")
+    table = Table(
+        title="What was compared, by work and basis",
+        title_justify="left",
+        caption=COUNTED_AMONG,
+        caption_justify="left",
+    )
     for heading in ("work", "basis"):
         table.add_column(heading)
     counted = totals(outcomes)
@@ -322,13 +351,14 @@ def _rows_table(outcomes: list[Outcome], escape: Callable[[str], str], title: st
     for outcome in outcomes:
         claim, record = outcome.claim, _record(outcome)
         verdict = outcome.verdict + (f": {record['why']}" if record["why"] else "")
+        verdict += " (a setting taken from the print)" if claim.copied else ""
         colour = colours.get(outcome.verdict, "yellow")
         table.add_row(
             claim.work,
             escape(claim.where),
             escape(claim.what),
             claim.unit,
-            claim.published or "-",
+            f"{claim.bound} {claim.published}".strip() or "-",
             *(
                 "-" if value is None else f"{value:.6g}"
                 for value in (claim.reference, record["ours"], record["tolerance"])

@@ -61,7 +61,7 @@ def _row(where: str, what: str, unit: str, compute: Callable[[], float], **field
         unit=unit,
         basis="computed by geometry alone",
         compute=compute,
-        why="the printed equation is not right",
+        why=None if fields.get("finding") else "the print is not right",
         **(defaults | fields),
     )
 
@@ -94,7 +94,7 @@ def _as_copied() -> list[Claim]:
             1e-6,
         ),
         (
-            "eq. 24, accelerometer's bias",
+            "eq. 24, accelerometer's bias, as our copy has it",
             "largest error of the block that takes the bias to the velocity error",
             "1",
             "K10",
@@ -117,7 +117,7 @@ def _as_copied() -> list[Claim]:
             unit,
             _first_of(checked),
             reference=round(checked()[0].truth, 9),
-            reference_from="derivation, and a difference quotient or another program",
+            reference_from="our own derivation, and a difference quotient or another program",
             n=1,
             tolerance=tolerance,
             tolerance_reason="accuracy of the check",
