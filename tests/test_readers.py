@@ -234,11 +234,15 @@ def test_gaps_up_to_a_length_are_filled_on_the_line_between_their_ends(tmp_path)
     acc = np.column_stack([0.5 * time_s, -time_s, np.full(count, 9.81)])
     whole = Recording(time_s, {"frame": Imu(acc, 0.2 * acc)})
     path = write(tmp_path / "trial.csv", whole.to_frame().drop(index=[10, 30, 31, 32]))
-    filled = read_recording(path, fill_gaps_s=0.05)
+    with pytest.warns(UserWarning, match=r"2 gap\(s\) filled in with 4 .* 0\.04 s after 0\.29 s"):
+        filled = read_recording(path, fill_gaps_s=0.05)
     assert filled.time_s == pytest.approx(time_s, abs=1e-12)
     assert filled.sensor("frame").acc_mps2 == pytest.approx(acc, abs=1e-12)
     assert filled.sensor("frame").gyr_radps == pytest.approx(0.2 * acc, abs=1e-12)
-    with pytest.raises(InputError, match=r"gap of 0\.04 s after 0\.29 s"):
+    with (
+        pytest.raises(InputError, match=r"gap of 0\.04 s after 0\.29 s"),
+        pytest.warns(UserWarning, match=r"1 gap\(s\) filled in"),
+    ):
         read_recording(path, fill_gaps_s=0.03)
 
 
@@ -351,7 +355,8 @@ def test_xsens_packet_missing_in_one_sensor_is_a_gap_in_all(tmp_path):
     prefix = write_xsens(tmp_path, parts)
     with pytest.raises(InputError, match=r"gap of 0\.02 s after 0\.11 s"):
         read_recording(prefix)
-    filled = read_recording(prefix, fill_gaps_s=0.05)
+    with pytest.warns(UserWarning, match=r"1 gap\(s\) filled in with 1 interpolated"):
+        filled = read_recording(prefix, fill_gaps_s=0.05)
     assert len(filled) == 30
     acc = recording.sensor("frame").acc_mps2
     between = (acc[11] + acc[13]) / 2

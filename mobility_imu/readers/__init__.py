@@ -1,8 +1,8 @@
-"""Readers: one module per file format, each gives a Recording (or a velocity series).
+"""Readers: one module per file format, each returns a Recording (or a velocity series).
 
 :func:`read_recording` looks at a file and picks the reader.
 """
 
-from mobility_imu.readers.recordings import read_recording
+from mobility_imu.readers.recordings import read_recording, recording_files
 
-__all__ = ["read_recording"]
+__all__ = ["read_recording", "recording_files"]

@@ -12,6 +12,20 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.table import read_text
+from mobility_imu.readers.wording import listed, quoted, shown
+
+SECTIONS = ("scooter", "scooter.mount", "wheelchair", "walker", "walker.mount")
+"""Every section that a geometry file may have."""
+MOUNT_KEYS: dict[str, tuple[str, ...]] = {
+    "scooter.mount": ("rotation_lever_imu_to_lever", "rotation_body_imu_to_body"),
+    "walker.mount": (
+        "rotation_imu_to_body",
+        "translation_body_m",
+        "rotation_sd_rad",
+        "translation_sd_m",
+    ),
+}
+"""Every key that a section of a mount may have."""
 
 
 def read_section(path: str | Path, section: str, keys: Sequence[str]) -> dict[str, float]:
@@ -30,22 +44,23 @@ def read_section(path: str | Path, section: str, keys: Sequence[str]) -> dict[st
     Raises
     ------
     InputError
-        No such file, section or key, an unknown key (perhaps a misspelt one), or no number.
+        No such file, section or key, an unknown section or key (perhaps a misspelt one), or a
+        value that is no number.
     """
     table = find_table(path, section)
     if table is None:
         raise InputError(f"{path}: no section [{section}]")
     missing = [key for key in keys if key not in table]
-    unknown = [
-        key for key, value in table.items() if key not in keys and not isinstance(value, dict)
-    ]
+    unknown = [key for key in table if key not in keys and not isinstance(table[key], dict)]
     if missing or unknown:
-        said = [f"{key} is missing" for key in missing] + [f"{key} is unknown" for key in unknown]
+        said = [f"{key} is missing" for key in missing]
+        said += [f"{listed(unknown)} is unknown"] if unknown else []
         raise InputError(f"{path}, [{section}]: {'; '.join(said)} (expected: {', '.join(keys)})")
-    for key in keys:
-        if isinstance(table[key], bool) or not isinstance(table[key], int | float):
-            raise InputError(f"{path}, [{section}] {key} = {table[key]!r}: expected a number")
-    return {key: float(table[key]) for key in keys}
+    numbers = {key: as_number(table[key]) for key in keys}
+    for key, number in numbers.items():
+        if number is None:
+            raise InputError(f"{path}, [{section}] {key} = {shown(table[key])}: expected a number")
+    return {key: number for key, number in numbers.items() if number is not None}
 
 
 def read_arrays(
@@ -59,35 +74,118 @@ def read_arrays(
     section : name of the section, with dots
     shapes : what must be there: key to shape
 
+    Returns
+    -------
+    dict of key to array of that shape, or None
+
     Raises
     ------
     InputError
-        No such file, a key that is missing, or one of another shape.
+        No such file, a key that is missing or unknown, or one of another shape.
     """
     table = find_table(path, section)
     if table is None:
         return None
+    known = MOUNT_KEYS.get(section, tuple(shapes))
+    unknown = [key for key in table if key not in known]
+    if unknown:
+        raise InputError(
+            f"{path}, [{section}]: {listed(unknown)} is unknown (known: {', '.join(known)})"
+        )
     arrays = {}
     for key, shape in shapes.items():
-        try:
-            arrays[key] = np.array(table[key], float)
-        except (KeyError, TypeError, ValueError):
-            arrays[key] = np.array(np.nan)
-        if arrays[key].shape != shape or not np.isfinite(arrays[key]).all():
+        numbers = _as_array(table.get(key), shape)
+        if not np.isfinite(numbers).all():
             size = " x ".join(map(str, shape))
             raise InputError(f"{path}, [{section}] {key}: expected {size} numbers")
+        arrays[key] = numbers
     return arrays
 
 
 def find_table(path: str | Path, section: str) -> dict[str, Any] | None:
-    """Give a section of a TOML file as it stands there, None if there is none."""
+    """Section of a TOML file as it stands there, None if there is none.
+
+    Parameters
+    ----------
+    path : TOML file
+    section : name of the section, with dots
+
+    Returns
+    -------
+    dict, or None
+
+    Raises
+    ------
+    InputError
+        No such file, no TOML, or a section that no geometry file has (perhaps a misspelt one).
+    """
+    text = read_text(path)
     try:
-        table = tomllib.loads(read_text(path))
+        table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not valid TOML ({error})") from None
+        raise InputError(f"{path}: not valid TOML ({quoted(str(error), 200)})") from None
+    except RecursionError:
+        raise InputError(f"{path}: not valid TOML for a geometry (nested too deeply)") from None
+    except ValueError:
+        # Python converts no decimal integer of more than some thousand digits.
+        raise InputError(f"{path}: a number has too many digits") from None
+    _check_sections(table, path)
     for name in section.split("."):
         found = table.get(name)
         if not isinstance(found, dict):
             return None
         table = found
     return table
+
+
+def as_number(value: object) -> float | None:
+    """Number of a TOML or JSON file as a float.
+
+    Parameters
+    ----------
+    value : what the file has
+
+    Returns
+    -------
+    float, or None for text, truth values, and integers that no float holds
+
+    Examples
+    --------
+    >>> as_number(3), as_number("3"), as_number(True), as_number(10**400)
+    (3.0, None, None, None)
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    try:
+        return float(value)
+    except OverflowError:
+        return None
+
+
+def _as_array(value: object, shape: tuple[int, ...]) -> FloatArray:
+    """Nested lists of numbers as an array; NaN alone if a part is missing, longer or no number."""
+    if not shape:
+        number = as_number(value)
+        return np.array(np.nan if number is None else number)
+    if not isinstance(value, list) or len(value) != shape[0]:
+        return np.array(np.nan)
+    parts = [_as_array(part, shape[1:]) for part in value]
+    return np.array(parts if all(p.shape == shape[1:] for p in parts) else np.nan)
+
+
+def _check_sections(table: dict[str, Any], path: str | Path) -> None:
+    unknown = [name for name, value in table.items() if not _is_section(name, value)]
+    unknown += [
+        f"{device}.{name}"
+        for device, section in table.items()
+        if _is_section(device, section)
+        for name, value in section.items()
+        if isinstance(value, dict) and f"{device}.{name}" not in SECTIONS
+    ]
+    if unknown:
+        known = ", ".join(f"[{name}]" for name in SECTIONS)
+        raise InputError(f"{path}: {listed(unknown)} is unknown (known sections: {known})")
+
+
+def _is_section(name: str, value: object) -> bool:
+    return name in SECTIONS and isinstance(value, dict)

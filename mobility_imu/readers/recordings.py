@@ -10,8 +10,10 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.table import parse_numbers, pick_columns, read_text
-from mobility_imu.recording import GAP_FACTOR, Imu, Recording
+from mobility_imu.readers.clocks import check_fill, check_rate, fill_gaps
+from mobility_imu.readers.table import parse_numbers, read_text
+from mobility_imu.readers.wording import quoted
+from mobility_imu.recording import Imu, Recording
 
 AXES = ("x", "y", "z")
 WHEELMOVE_SENSORS = {"Chassis": "frame", "RoueGauche": "left_wheel", "RoueDroite": "right_wheel"}
@@ -22,6 +24,8 @@ XSENS_WORDS = {
     "frame": ("frame", "chassis", "chasis"),
 }
 XSENS_COUNTER_RANGE = 65536
+LARGEST_COUNTER = 2**53
+"""From here on a float does not hold every whole number."""
 
 
 def read_recording(
@@ -48,11 +52,15 @@ def read_recording(
         :class:`~mobility_imu.recording.Recording` refuses.
     """
     path = Path(path)
-    if not path.is_file():
+    source = str(path)
+    check_rate(sampling_rate_hz, source)
+    check_fill(fill_gaps_s)
+    if not _is_there(path):
         parts = _xsens_parts(path)
         if parts:
             return read_xsens(parts, sampling_rate_hz=sampling_rate_hz, fill_gaps_s=fill_gaps_s)
-        raise InputError(f"{path}: no such file, and no Xsens exports whose names begin like this")
+        what = "is a folder" if _is_folder(path) else "no such file"
+        raise InputError(f"{path}: {what}, and no Xsens exports whose names begin like this")
     text = read_text(path)
     header = text.partition("\n")[0]
     if header.startswith("//") or header.startswith("PacketCounter"):
@@ -61,61 +69,88 @@ def read_recording(
             f"as in '{path.parent / path.stem.partition('-')[0]}'"
         )
     if "time_s" in header.lower():
-        return _canonical(text, str(path), fill_gaps_s)
+        return _canonical(text, source, fill_gaps_s)
     if "chassis_" in header.lower() or "roue" in header.lower():
-        return _wheelmove_id(text, str(path), sampling_rate_hz)
+        return _wheelmove_id(text, source, sampling_rate_hz)
     raise InputError(
         f"{path}: unknown format. Expected a header with time_s and <sensor>_acc_x_mps2 ..., or "
-        f"WheelMove-ID's Chassis_Acc_X; ...; it begins with '{header[:60]}'"
+        f"WheelMove-ID's Chassis_Acc_X; ...; it begins with '{quoted(header)}'"
     )
+
+
+def recording_files(path: str | Path) -> list[Path]:
+    """Files that :func:`read_recording` opens for a name.
+
+    Parameters
+    ----------
+    path : as in :func:`read_recording`
+
+    Returns
+    -------
+    list of Path, empty if there is no such recording
+    """
+    path = Path(path)
+    return [path] if _is_there(path) else list(_xsens_parts(path).values())
+
+
+def _is_there(path: Path) -> bool:
+    """Whether a file can be looked at under this name; folders begin names of Xsens exports."""
+    try:
+        return path.exists() and not path.is_dir()
+    except (OSError, ValueError):  # a name that is too long, a folder that may not be entered
+        return False
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
 
 
 def _canonical(text: str, source: str, fill_gaps_s: float) -> Recording:
     """``time_s``, then ``<sensor>_acc_{x,y,z}_mps2`` and ``<sensor>_gyr_{x,y,z}_radps``."""
-    header, values = parse_numbers(text, separator=",", source=source)
-    time_s = pick_columns(header, values, ["time_s"], source)[:, 0]
+    table = parse_numbers(text, separator=",", source=source)
+    time_s = table.columns(["time_s"])[:, 0]
     groups: dict[str, set[str]] = {}
-    for name in header:
-        if name == "time_s":
+    for name in table.header:
+        if name.lower() == "time_s":
             continue
         match = re.fullmatch(r"(\w+?)_(acc_[xyz]_mps2|gyr_[xyz]_radps)", name)
         if match is None:
             raise InputError(
-                f"{source}: column {name} is not known; expected <sensor>_acc_x_mps2 or "
+                f"{source}: column {quoted(name)} is not known; expected <sensor>_acc_x_mps2 or "
                 "<sensor>_gyr_x_radps"
             )
         groups.setdefault(match[1], set()).add(match[2][:3])
-    columns = {
-        sensor: {
-            quantity: pick_columns(
-                header,
-                values,
-                [f"{sensor}_{quantity}_{axis}_{unit}" for axis in AXES],
-                source,
-            )
-            for quantity, unit in (("acc", "mps2"), ("gyr", "radps"))
+    sensors = {}
+    for sensor, have in groups.items():
+        acc, gyr = (
+            table.columns([f"{sensor}_{quantity}_{axis}_{unit}" for axis in AXES])
             if quantity == "acc" or "gyr" in have
-        }
-        for sensor, have in groups.items()
-    }
-    sensors = {name: Imu(group["acc"], group.get("gyr")) for name, group in columns.items()}
+            else None
+            for quantity, unit in (("acc", "mps2"), ("gyr", "radps"))
+        )
+        assert acc is not None
+        sensors[sensor] = Imu(acc, gyr)
     if fill_gaps_s > 0:
-        time_s, sensors = _fill_gaps(time_s, sensors, fill_gaps_s)
-    return Recording(time_s, sensors, source=source)
+        time_s, sensors = fill_gaps(time_s, sensors, fill_gaps_s, source)
+    recording = Recording(time_s, sensors, source=source)
+    check_rate(recording.sampling_rate_hz, source, clock=True)
+    return recording
 
 
 def _wheelmove_id(text: str, source: str, sampling_rate_hz: float) -> Recording:
     """18 columns ``Chassis_``, ``RoueGauche_``, ``RoueDroite_``; no clock."""
     separator = ";" if ";" in text.partition("\n")[0] else ","
-    header, values = parse_numbers(text, separator=separator, source=source)
+    table = parse_numbers(text, separator=separator, source=source)
     sensors = {}
     for theirs, ours in WHEELMOVE_SENSORS.items():
         acc, gyr = (
-            pick_columns(header, values, [f"{theirs}_{kind}_{axis}" for axis in "XYZ"], source)
-            for kind in ("Acc", "Gyr")
+            table.columns([f"{theirs}_{kind}_{axis}" for axis in "XYZ"]) for kind in ("Acc", "Gyr")
         )
         sensors[ours] = Imu(acc, gyr)
-    return Recording(np.arange(len(values)) / sampling_rate_hz, sensors, source=source)
+    return Recording(np.arange(len(table)) / sampling_rate_hz, sensors, source=source)
 
 
 def read_xsens(
@@ -137,14 +172,16 @@ def read_xsens(
     """
     tables: dict[str, tuple[FloatArray, Imu]] = {}
     rates = set()
+    source = " + ".join(Path(path).name for path in paths.values())
+    check_rate(sampling_rate_hz, source)
+    check_fill(fill_gaps_s)
     for sensor, path in paths.items():
         counter, imu, rate = _xsens_file(path)
         # A sensor that starts after the counter went over has small counts throughout.
         start = next(iter(tables.values()))[0][0] if tables else counter[0]
         counter = counter + XSENS_COUNTER_RANGE * round((start - counter[0]) / XSENS_COUNTER_RANGE)
         tables[sensor] = (counter, imu)
-        rates.add(rate or sampling_rate_hz)
-    source = " + ".join(Path(path).name for path in paths.values())
+        rates.add(sampling_rate_hz if rate is None else rate)
     if len(rates) > 1:
         raise InputError(f"{source}: sensors at different rates ({sorted(rates)} Hz)")
     common = _common_counters({name: counter for name, (counter, _) in tables.items()}, source)
@@ -155,15 +192,19 @@ def read_xsens(
         sensors[sensor] = Imu(imu.acc_mps2[at], gyr)
     time_s = (common - common[0]) / rates.pop()
     if fill_gaps_s > 0:
-        time_s, sensors = _fill_gaps(time_s, sensors, fill_gaps_s)
+        time_s, sensors = fill_gaps(time_s, sensors, fill_gaps_s, source)
     return Recording(time_s, sensors, source=source)
 
 
 def _xsens_parts(prefix: Path) -> dict[str, Path]:
-    if not prefix.parent.is_dir() or not prefix.name:
+    try:
+        if not prefix.parent.is_dir() or not prefix.name:
+            return {}
+        exports = sorted(prefix.parent.glob("*.txt"))
+    except (OSError, ValueError):
         return {}
     parts: dict[str, Path] = {}
-    for path in sorted(prefix.parent.glob("*.txt")):
+    for path in exports:
         rest = path.stem[len(prefix.name) :].lower()
         if not path.stem.startswith(prefix.name):
             continue
@@ -180,25 +221,41 @@ def _xsens_parts(prefix: Path) -> dict[str, Path]:
 
 def _xsens_file(path: str | Path) -> tuple[FloatArray, Imu, float | None]:
     text = read_text(path)
-    lines = text.splitlines()
-    comments = [line for line in lines[:100] if line.startswith("//")]
-    rate = re.search(r"Update Rate:\s*([\d.,]+)", "\n".join(comments))
-    table = text.split("\n", len(comments))[-1]
-    header, values = parse_numbers(
-        table, separator="\t", source=str(path), first_line=len(comments) + 1
-    )
-    counter = pick_columns(header, values, ["PacketCounter"], str(path))[:, 0]
-    acc = pick_columns(header, values, [f"Acc_{axis}" for axis in "XYZ"], str(path))
-    gyr = pick_columns(header, values, [f"Gyr_{axis}" for axis in "XYZ"], str(path))
+    comments = [line for line in text.splitlines()[:100] if line.startswith("//")]
+    # The header is the first line after the comments.
+    content = text.split("\n", len(comments))[-1]
+    table = parse_numbers(content, separator="\t", source=str(path), first_line=len(comments) + 1)
+    counter = _unwrapped(table.columns(["PacketCounter"])[:, 0], path)
+    acc = table.columns([f"Acc_{axis}" for axis in "XYZ"])
+    gyr = table.columns([f"Gyr_{axis}" for axis in "XYZ"])
+    return counter, Imu(acc, gyr), _update_rate("\n".join(comments), path)
+
+
+def _unwrapped(counter: FloatArray, path: str | Path) -> FloatArray:
+    """Packet counter that goes on where the sensor's starts again at 0, after 65535."""
+    bad = ~((counter >= 0) & (counter < LARGEST_COUNTER) & (counter == np.rint(counter)))
+    if bad.any():
+        k = int(np.argmax(bad))
+        raise InputError(f"{path}: the packet counter is {counter[k]:g} at row {k + 1}")
     step = np.diff(counter)
-    # The counter starts again at 0 after 65535.
     counter = counter + XSENS_COUNTER_RANGE * np.r_[0, np.cumsum(step < -XSENS_COUNTER_RANGE / 2)]
     step = np.diff(counter)
     if (step <= 0).any():
         k = int(np.argmax(step <= 0))
         kind = "stands twice" if step[k] == 0 else "runs backwards"
         raise InputError(f"{path}: the packet counter {kind} at row {k + 2}")
-    return counter, Imu(acc, gyr), float(rate[1].replace(",", ".")) if rate else None
+    return counter
+
+
+def _update_rate(comments: str, path: str | Path) -> float | None:
+    """Rate in Hz that the comments state; None if there is no such line."""
+    stated = re.search(r"Update Rate:(.*)", comments)
+    if stated is None:
+        return None
+    number = re.fullmatch(r"\s*(\d+(?:[.,]\d+)?)\s*(?:Hz)?\s*", stated[1], re.ASCII)
+    if number is None:
+        raise InputError(f"{path}: Update Rate:{quoted(stated[1])}, expected a number of Hz")
+    return check_rate(float(number[1].replace(",", ".")), f"{path}: Update Rate:")
 
 
 def _common_counters(counters: Mapping[str, FloatArray], source: str) -> FloatArray:
@@ -209,26 +266,3 @@ def _common_counters(counters: Mapping[str, FloatArray], source: str) -> FloatAr
         spans = ", ".join(f"{name} {c[0]:g}-{c[-1]:g}" for name, c in counters.items())
         raise InputError(f"{source}: the sensors share no packet counters ({spans})")
     return common
-
-
-def _fill_gaps(
-    time_s: FloatArray, sensors: Mapping[str, Imu], longest_s: float
-) -> tuple[FloatArray, dict[str, Imu]]:
-    """Add interpolated samples where up to longest_s of them are missing."""
-    step = np.diff(time_s)
-    if len(step) == 0 or (step <= 0).any() or not np.isfinite(step).all():
-        return time_s, dict(sensors)  # Recording says what is wrong
-    usual = float(np.median(step))
-    holes = np.nonzero((step > GAP_FACTOR * usual) & (step <= longest_s))[0]
-    new = [np.linspace(time_s[k], time_s[k + 1], round(step[k] / usual) + 1)[1:-1] for k in holes]
-    filled = np.sort(np.concatenate([time_s, *new]))
-
-    def at_filled(values: FloatArray) -> FloatArray:
-        return np.column_stack([np.interp(filled, time_s, axis) for axis in values.T])
-
-    return filled, {
-        name: Imu(
-            at_filled(imu.acc_mps2), None if imu.gyr_radps is None else at_filled(imu.gyr_radps)
-        )
-        for name, imu in sensors.items()
-    }

@@ -1,0 +1,178 @@
+"""The application, its entry point, and how it ends: messages in one line, and exit codes."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import sys
+import traceback
+import warnings
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mobility_imu import __version__
+from mobility_imu.cli.reproduce import reproduce
+from mobility_imu.cli.scooter import app as scooter_app
+from mobility_imu.cli.simulate import app as simulate_app
+from mobility_imu.cli.walker import app as walker_app
+from mobility_imu.cli.wheelchair import app as wheelchair_app
+from mobility_imu.errors import MobilityImuError
+
+DONE, AT_FAULT, INTERRUPTED = 0, 2, 130
+PACKAGE = Path(__file__).resolve().parents[1]
+LONGEST_MESSAGE = 1000
+"""Characters of a message; from a longer one the middle is left out."""
+
+app = typer.Typer(
+    name="mobility-imu",
+    help="Angles, tasks and paths of mobility aids from inertial sensors (IMUs).",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+app.add_typer(scooter_app, name="scooter")
+app.add_typer(wheelchair_app, name="wheelchair")
+app.add_typer(walker_app, name="walker")
+app.add_typer(simulate_app, name="simulate")
+app.command("reproduce")(reproduce)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"mobility-imu {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """Angles, tasks and paths of mobility aids from inertial sensors (IMUs)."""
+
+
+def main() -> None:
+    """Run the command line; leaves with exit code 0, 2 or 130."""
+    stdout, stderr = sys.stdout, sys.stderr
+    for stream in (stdout, stderr):
+        with suppress(AttributeError, ValueError):
+            # A terminal that lacks a character shows its code instead.
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    # Collected: when a command fails, its error is the only line.
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        try:
+            code, message = _run()
+        finally:
+            sys.stdout, sys.stderr = stdout, stderr  # the application may wrap them
+    if code == DONE:
+        for warning in _own(heard):
+            _say(f"warning: {warning}")
+    else:
+        _say(message)
+    sys.exit(code)
+
+
+def _run() -> tuple[int, str]:
+    """Run the application; returns the exit code and, unless that is 0, the message."""
+    try:
+        code = app(standalone_mode=False)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except MobilityImuError as error:
+        return AT_FAULT, str(error)
+    except (KeyboardInterrupt, typer.Abort):
+        code = INTERRUPTED
+    except MemoryError:
+        return AT_FAULT, "the input needs more memory than there is"
+    except SystemExit:  # how the application leaves when nobody reads its output any more
+        _drop_stdout()
+        return DONE, ""
+    except OSError as error:
+        return _failed_stream(error)
+    except Exception as error:
+        message = _of_arguments(error) or _of_arithmetic(error)
+        if message is None:
+            raise
+        return AT_FAULT, message
+    if code == INTERRUPTED:
+        return INTERRUPTED, "interrupted"
+    return (code if isinstance(code, int) else DONE), ""
+
+
+def _of_arguments(error: Exception) -> str | None:
+    """Message of the application's own errors on arguments, None for another error."""
+    if not (hasattr(error, "format_message") and hasattr(error, "exit_code")):
+        return None
+    if type(error).__name__ == "NoArgsIsHelpError":  # its message is the whole help
+        return "give a command; --help lists them"
+    return str(error.format_message())
+
+
+def _of_arithmetic(error: Exception) -> str | None:
+    """Message for a computation that broke down on the numbers it got, None for another error."""
+    *_, last = traceback.walk_tb(error.__traceback__)
+    library = last[0].f_globals.get("__name__", "").partition(".")[0]
+    names = {cause.__name__ for cause in type(error).__mro__}
+    refused = "ValueError" in names and library in ("numpy", "scipy")
+    if not refused and not names & {"ArithmeticError", "LinAlgError"}:
+        return None
+    return (
+        f"the computation breaks down on these numbers ({error}); look for readings that no "
+        "sensor gives, and for a clock in another unit than s"
+    )
+
+
+def _failed_stream(error: OSError) -> tuple[int, str]:
+    """Exit code and message when standard output cannot be written."""
+    _drop_stdout()
+    if error.errno == errno.EPIPE:
+        return DONE, ""
+    why = error.strerror or error
+    if error.filename:
+        return AT_FAULT, f"{error.filename}: cannot be read or written ({why})"
+    return AT_FAULT, f"standard output: cannot be written ({why})"
+
+
+def _drop_stdout() -> None:
+    """Discard buffered output, so that the interpreter does not fail on it when it ends."""
+    stream = getattr(sys.stdout, "wrapped", sys.stdout)  # the application wraps a closed pipe
+    if sys.__stdout__ is None or stream is not sys.__stdout__:
+        return
+    with suppress(OSError, ValueError):
+        number = sys.__stdout__.fileno()
+        nothing = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nothing, number)
+        os.close(nothing)
+
+
+def _own(heard: Iterable[warnings.WarningMessage]) -> list[str]:
+    """Texts of this package's own warnings, each once; numpy's and others' are not for users."""
+    texts = [
+        str(warning.message)
+        for warning in heard
+        if warning.category is UserWarning and PACKAGE in Path(warning.filename).parents
+    ]
+    return list(dict.fromkeys(texts))
+
+
+def _say(message: str) -> None:
+    """Print a message on stderr: one line, escaped, and shortened if it is long."""
+    text = re.sub(r"\s*\n\s*", " ", message.strip())
+    if not text.isprintable():
+        # Only here: it loads numpy, which an interrupt may have left loaded by half.
+        from mobility_imu.readers.wording import escaped
+
+        text = escaped(text)
+    if len(text) > LONGEST_MESSAGE:
+        text = f"{text[: LONGEST_MESSAGE // 2]} ... {text[-LONGEST_MESSAGE // 2 :]}"
+    if sys.stderr is not None:  # print would take standard output instead
+        with suppress(OSError):
+            print(f"mobility-imu: {text}", file=sys.stderr, flush=True)

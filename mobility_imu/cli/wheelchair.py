@@ -1,0 +1,345 @@
+"""Commands of the wheelchair: velocities, a check of the geometry, and tasks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from mobility_imu.cli.files import Outputs, csv_bytes, figure_bytes
+from mobility_imu.cli.options import FillGaps, Output, Rate, sub_app
+from mobility_imu.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from mobility_imu.frames import FloatArray
+    from mobility_imu.readers.velocities import VelocitySeries
+    from mobility_imu.recording import Recording
+    from mobility_imu.wheelchair import TaskSettings, WheelchairCalibration
+    from mobility_imu.wheelchair.check import GeometryCheck
+    from mobility_imu.wheelchair.tasks import Codes
+
+Camber = Literal["sign-safe", "printed"]
+Smoothing = Literal["none", "moving-average", "savitzky-golay"]
+Edge = Literal["covering", "tool"]
+PICTURES = (".png", ".svg", ".pdf")
+
+Static = Annotated[Path, typer.Option(help="Trial with the chair standing still.")]
+Straight = Annotated[Path, typer.Option(help="Trial with the chair pushed straight forward.")]
+Geometry = Annotated[Path, typer.Option(help="TOML with a section [wheelchair].")]
+
+app = sub_app("Manual wheelchair: velocities and tasks.")
+
+
+@app.command("velocity")
+def velocity(
+    trial: Annotated[
+        Path, typer.Argument(help="Recording, or the common beginning of three Xsens exports.")
+    ],
+    static: Static,
+    straight: Straight,
+    geometry: Geometry,
+    output: Output,
+    camber: Annotated[
+        Camber, typer.Option(help="Camber term: with the turn's sign, or eq. 1.16 as printed.")
+    ] = "sign-safe",
+    slip_correction: Annotated[
+        bool,
+        typer.Option(
+            "--slip-correction/--no-slip-correction",
+            help="Where wheels slip, integrate the frame's acceleration instead.",
+        ),
+    ] = False,
+    smoothing: Annotated[
+        Smoothing, typer.Option("--filter", help="Smooth every sensor of all three recordings.")
+    ] = "none",
+    filter_window: Annotated[int, typer.Option(help="Samples in the filter's window, odd.")] = 7,
+    filter_order: Annotated[int, typer.Option(help="Order of the Savitzky-Golay filter.")] = 2,
+    sampling_rate_hz: Rate = 100.0,
+    fill_gaps_s: FillGaps = 0.0,
+) -> None:
+    """Linear velocity and yaw rate of a chair from wheel and frame IMUs (WheelMove-ID)."""
+    from mobility_imu.wheelchair import WheelchairGeometry, estimate_velocity
+
+    trials = (trial, static, straight)
+    outputs = Outputs({"--output": output}, (*_files(trials), geometry))
+    chair = WheelchairGeometry.from_toml(geometry)
+    drive, still, line = (
+        smoothed(recording, smoothing, filter_window, filter_order)
+        for recording in _read(trials, sampling_rate_hz, fill_gaps_s)
+    )
+    calibration = calibrated(drive, still, line)
+    found = estimate_velocity(
+        drive, calibration, chair, camber=camber, slip_correction=slip_correction
+    )
+    outputs.write({output: csv_bytes(found.to_frame(), output)})
+
+
+def _files(trials: tuple[Path, ...]) -> list[Path]:
+    from mobility_imu.readers import recording_files
+
+    return [file for trial in trials for file in recording_files(trial)]
+
+
+def _read(trials: tuple[Path, ...], sampling_rate_hz: float, fill_gaps_s: float) -> list[Recording]:
+    from mobility_imu.readers import read_recording
+
+    return [
+        read_recording(trial, sampling_rate_hz=sampling_rate_hz, fill_gaps_s=fill_gaps_s)
+        for trial in trials
+    ]
+
+
+def calibrated(drive: Recording, still: Recording, line: Recording) -> WheelchairCalibration:
+    """Alignment of the sensors that a drive has.
+
+    Parameters
+    ----------
+    drive : Recording that is to be evaluated
+    still : Recording of the chair standing still
+    line : Recording of the chair pushed straight forward
+
+    Returns
+    -------
+    WheelchairCalibration
+
+    Raises
+    ------
+    InputError
+        If a wheel's sensor is in the drive and not in the straight-line trial.
+    """
+    from mobility_imu.wheelchair import calibrate
+
+    for name in ("left_wheel", "right_wheel"):
+        if name in drive.sensors:
+            line.sensor(name, gyroscope=True)
+    return calibrate(still, line)
+
+
+def smoothed(recording: Recording, how: Smoothing, window: int, order: int) -> Recording:
+    """Recording with every sensor smoothed.
+
+    Parameters
+    ----------
+    recording : Recording
+    how : "none", "moving-average" or "savitzky-golay"
+    window : samples in the filter's window, odd
+    order : order of the Savitzky-Golay filter
+
+    Returns
+    -------
+    Recording
+    """
+    from mobility_imu.filters import moving_average, savitzky_golay
+    from mobility_imu.recording import Imu, Recording
+
+    if how == "none":
+        return recording
+
+    def smooth(values: FloatArray) -> FloatArray:
+        if how == "moving-average":
+            return moving_average(values, window)
+        return savitzky_golay(values, window, order)
+
+    sensors = {
+        name: Imu(smooth(imu.acc_mps2), None if imu.gyr_radps is None else smooth(imu.gyr_radps))
+        for name, imu in recording.sensors.items()
+    }
+    return Recording(recording.time_s, sensors, source=recording.source)
+
+
+@app.command("check")
+def check(
+    trial: Annotated[Path, typer.Argument(help="Recording of a drive with turns to both sides.")],
+    static: Static,
+    straight: Straight,
+    geometry: Geometry,
+    sampling_rate_hz: Rate = 100.0,
+    fill_gaps_s: FillGaps = 0.0,
+) -> None:
+    """Whether track, radii and camber fit what the frame's gyroscope says of the turns."""
+    from mobility_imu.wheelchair import WheelchairGeometry
+    from mobility_imu.wheelchair.check import check_geometry
+
+    chair = WheelchairGeometry.from_toml(geometry)
+    drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s)
+    typer.echo(check_text(check_geometry(drive, calibrated(drive, still, line), chair)))
+
+
+def check_text(found: GeometryCheck) -> str:
+    """Lines that ``wheelchair check`` prints.
+
+    Parameters
+    ----------
+    found : GeometryCheck
+
+    Returns
+    -------
+    str
+    """
+    import numpy as np
+
+    camber, camber_sd = np.rad2deg([found.camber_rad, found.camber_sd_rad])
+    lines = [
+        f"wheels' yaw rate over the frame's, left turns   {found.yaw_gain_left:.3f}",
+        f"wheels' yaw rate over the frame's, right turns  {found.yaw_gain_right:.3f}",
+        f"track that fits the turns   {found.track_m:.4f} ± {found.track_sd_m:.4f} m",
+        f"right over left radius      {found.radius_ratio:.4f} ± {found.radius_ratio_sd:.4f}",
+        f"camber from the axles       {camber:.1f} ± {camber_sd:.1f} deg",
+        *(f"- {message}" for message in found.messages or ("the geometry fits",)),
+    ]
+    return "\n".join(lines)
+
+
+@app.command("tasks")
+def tasks(
+    velocity: Annotated[Path, typer.Argument(help="CSV with a linear and an angular velocity.")],
+    output: Output,
+    settings: Annotated[
+        Path | None, typer.Option(help="JSON of thresholds; WheelMove-ID's files serve.")
+    ] = None,
+    edge: Annotated[
+        Edge, typer.Option(help="First frames: windows that cover them, or as the public tool.")
+    ] = "covering",
+    figure: Annotated[
+        Path | None, typer.Option(help="Also draw the chronogram (.png, .svg or .pdf).")
+    ] = None,
+    events: Annotated[
+        Path | None, typer.Option(help="Also write one row per task: onset, end, distance, angle.")
+    ] = None,
+    direction: Annotated[
+        bool, typer.Option("--direction", help="Add a column with the direction of rotations.")
+    ] = False,
+    sampling_rate_hz: Annotated[
+        float | None, typer.Option(help="Hz; for files that have no time column.", min=1)
+    ] = None,
+) -> None:
+    """Locomotor tasks and a chronogram from a chair's velocities (WheelMove-ID)."""
+    inputs = (velocity,) if settings is None else (velocity, settings)
+    outputs = Outputs({"--output": output, "--events": events, "--figure": figure}, inputs)
+    if figure is not None and figure.suffix not in PICTURES:
+        raise InputError(f"--figure {figure}: expected a name that ends in .png, .svg or .pdf")
+    from mobility_imu.wheelchair import identify_tasks
+
+    thresholds, series = read_series(velocity, settings, sampling_rate_hz)
+    codes = identify_tasks(
+        series.linear_velocity_mps,
+        series.yaw_rate_radps,
+        series.sampling_rate_hz,
+        thresholds,
+        edge=edge,
+    )
+    contents = {output: csv_bytes(task_table(series, codes, direction=direction), output)}
+    if events is not None:
+        contents[events] = csv_bytes(_events(series, codes), events)
+    if figure is not None:
+        contents[figure] = _chronogram(series, codes, figure)
+    outputs.write(contents)
+
+
+def read_series(
+    velocity: Path, settings: Path | None, sampling_rate_hz: float | None
+) -> tuple[TaskSettings, VelocitySeries]:
+    """Settings and velocities, on one sampling rate.
+
+    Parameters
+    ----------
+    velocity : CSV of velocities
+    settings : JSON of thresholds, or None for the document's
+    sampling_rate_hz : Hz, for a CSV without a time column; None takes it from the settings
+
+    Returns
+    -------
+    settings : TaskSettings
+    series : VelocitySeries
+
+    Raises
+    ------
+    InputError
+        If the two files are faulty, or state different rates.
+    """
+    from mobility_imu.readers.velocities import read_velocities
+    from mobility_imu.wheelchair import TaskSettings
+    from mobility_imu.wheelchair.tasks import read_settings
+
+    if settings is None:
+        return TaskSettings(), read_velocities(velocity, sampling_rate_hz=sampling_rate_hz)
+    _check_settings(settings)
+    thresholds, stated_hz = read_settings(settings)
+    rate = stated_hz if sampling_rate_hz is None else sampling_rate_hz
+    series = read_velocities(velocity, sampling_rate_hz=rate)
+    found_hz = series.sampling_rate_hz
+    if stated_hz is not None and abs(stated_hz - found_hz) > 0.01 * found_hz:
+        raise InputError(
+            f"{settings}: freqAcq = {stated_hz:g} Hz, but {velocity} has {found_hz:g} Hz"
+        )
+    return thresholds, series
+
+
+def _check_settings(path: Path) -> None:
+    """Check that the settings are numbers, and that a rate among them is one."""
+    from mobility_imu.readers.clocks import check_rate
+    from mobility_imu.readers.settings import read_json_numbers
+
+    numbers = read_json_numbers(path)
+    if "freqAcq" in numbers:
+        check_rate(numbers["freqAcq"] or 0.0, f"{path}: freqAcq")
+
+
+def task_table(series: VelocitySeries, codes: Codes, *, direction: bool) -> pd.DataFrame:
+    """Table of tasks, as the command writes it.
+
+    Parameters
+    ----------
+    series : VelocitySeries
+    codes : (n,) array of task codes
+    direction : whether there is a column with the direction of rotations
+
+    Returns
+    -------
+    DataFrame
+        ``time_s``, ``linear_velocity_mps``, ``yaw_rate_degps``, ``task_code``, ``task``, and
+        ``direction`` if it is wanted
+    """
+    import numpy as np
+    import pandas as pd
+
+    from mobility_imu.outcomes import turn_direction
+    from mobility_imu.wheelchair import Task
+
+    names = np.array(["", *(task.title for task in Task)])
+    table = pd.DataFrame(
+        {
+            "time_s": series.time_s,
+            "linear_velocity_mps": series.linear_velocity_mps,
+            "yaw_rate_degps": np.rad2deg(series.yaw_rate_radps),
+            "task_code": codes,
+            "task": names[codes],
+        }
+    )
+    if direction:
+        table["direction"] = turn_direction(codes, series.yaw_rate_radps)
+    return table
+
+
+def _events(series: VelocitySeries, codes: Codes) -> pd.DataFrame:
+    from mobility_imu.outcomes import task_events
+
+    return task_events(series.time_s, codes, series.linear_velocity_mps, series.yaw_rate_radps)
+
+
+def _chronogram(series: VelocitySeries, codes: Codes, path: Path) -> bytes:
+    import matplotlib as mpl
+
+    mpl.use("agg")
+    from matplotlib import pyplot as plt
+
+    from mobility_imu.plots.wheelchair import chronogram
+
+    drawing = chronogram(series.time_s, codes, series.linear_velocity_mps, series.yaw_rate_radps)
+    try:
+        return figure_bytes(drawing, path)
+    finally:
+        plt.close(drawing)

@@ -1,0 +1,123 @@
+"""Clocks of recordings: sampling rates that can be, and gaps that are filled."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray
+from mobility_imu.recording import GAP_FACTOR, Imu
+
+LOWEST_RATE_HZ, HIGHEST_RATE_HZ = 1.0, 1e5
+"""Between these lies the sampling rate of any IMU."""
+LONGEST_FILL_S = 60.0
+"""A straight line over a longer gap says nothing of the motion."""
+FEWEST_TO_FILL = 1000
+"""So many samples may be filled in even if the recording has fewer."""
+
+
+def check_rate(sampling_rate_hz: float, source: str, *, clock: bool = False) -> float:
+    """Check that a sampling rate is one that an IMU can have.
+
+    Parameters
+    ----------
+    sampling_rate_hz : Hz
+    source : what stands at the head of the message
+    clock : whether the rate was found from a time column, so that its unit may be wrong
+
+    Returns
+    -------
+    float, Hz
+
+    Raises
+    ------
+    InputError
+        If it is not between :data:`LOWEST_RATE_HZ` and :data:`HIGHEST_RATE_HZ`.
+    """
+    if not LOWEST_RATE_HZ <= sampling_rate_hz <= HIGHEST_RATE_HZ:
+        hint = "; are the times in s?" if clock else ""
+        raise InputError(
+            f"{source}: sampling rate of {sampling_rate_hz:g} Hz, expected {LOWEST_RATE_HZ:g} to "
+            f"{HIGHEST_RATE_HZ:g} Hz{hint}"
+        )
+    return float(sampling_rate_hz)
+
+
+def check_fill(longest_s: float) -> float:
+    """Check the length up to which gaps are filled.
+
+    Parameters
+    ----------
+    longest_s : s
+
+    Returns
+    -------
+    float, s
+
+    Raises
+    ------
+    InputError
+        If it is not between 0 and :data:`LONGEST_FILL_S`.
+    """
+    if not 0 <= longest_s <= LONGEST_FILL_S:
+        raise InputError(
+            f"gaps to be filled up to {longest_s:g} s: expected between 0 and {LONGEST_FILL_S:g} s"
+        )
+    return float(longest_s)
+
+
+def fill_gaps(
+    time_s: FloatArray, sensors: Mapping[str, Imu], longest_s: float, source: str
+) -> tuple[FloatArray, dict[str, Imu]]:
+    """Add samples on the straight line between the two ends of each gap up to a length.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    sensors : sensor name to Imu, each with n samples
+    longest_s : s, longer gaps stay
+    source : what stands at the head of a message; a warning says how much was filled in
+
+    Returns
+    -------
+    time_s : (m,) array, s
+    sensors : sensor name to Imu, each with m samples
+
+    Raises
+    ------
+    InputError
+        If more samples would be filled in than the recording has.
+    """
+    step = np.diff(time_s)
+    if len(step) == 0 or not np.isfinite(step).all() or (step <= 0).any():
+        return time_s, dict(sensors)  # Recording says what is wrong
+    usual = float(np.median(step))
+    holes = np.nonzero((step > GAP_FACTOR * usual) & (step <= longest_s))[0]
+    added = np.rint(step[holes] / usual).sum() - len(holes)
+    if added > max(len(time_s), FEWEST_TO_FILL):
+        raise InputError(
+            f"{source}: {added:.0f} samples would be filled in beside the {len(time_s)} that there "
+            "are; fill shorter gaps only"
+        )
+    if len(holes):
+        longest = holes[np.argmax(step[holes])]
+        warnings.warn(
+            f"{source}: {len(holes)} gap(s) filled in with {added:.0f} interpolated samples, the "
+            f"longest of {step[longest]:.3g} s after {time_s[longest]:g} s",
+            stacklevel=1,
+        )
+    new = [np.linspace(time_s[k], time_s[k + 1], round(step[k] / usual) + 1)[1:-1] for k in holes]
+    filled = np.sort(np.concatenate([time_s, *new]))
+
+    def at_filled(values: FloatArray) -> FloatArray:
+        return np.column_stack([np.interp(filled, time_s, axis) for axis in values.T])
+
+    return filled, {
+        name: Imu(
+            at_filled(imu.acc_mps2), None if imu.gyr_radps is None else at_filled(imu.gyr_radps)
+        )
+        for name, imu in sensors.items()
+    }

@@ -1,0 +1,60 @@
+"""Settings in JSON: one object of numbers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from mobility_imu.errors import InputError
+from mobility_imu.readers.geometry import as_number
+from mobility_imu.readers.table import read_text
+from mobility_imu.readers.wording import quoted, shown
+
+
+def read_json_numbers(path: str | Path) -> dict[str, float | None]:
+    """Read a JSON object whose values are numbers or null.
+
+    Parameters
+    ----------
+    path : JSON file
+
+    Returns
+    -------
+    dict of key to float, None for null
+
+    Raises
+    ------
+    InputError
+        If the file is no such object; the message names the key.
+    """
+    text = read_text(path)
+    try:
+        content: Any = json.loads(text, object_pairs_hook=_without_repeats)
+    except json.JSONDecodeError as error:
+        raise InputError(f"{path}: not valid JSON ({error})") from None
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    except RecursionError:
+        raise InputError(f"{path}: not a JSON object of settings (nested too deeply)") from None
+    except ValueError:
+        # Python converts no integer of more than some thousand digits.
+        raise InputError(f"{path}: a number has too many digits") from None
+    if not isinstance(content, dict):
+        raise InputError(f"{path}: expected a JSON object of settings")
+    numbers = {}
+    for key, value in content.items():
+        number = None if value is None else as_number(value)
+        if number is None and value is not None:
+            raise InputError(f"{path}: {quoted(key)} = {shown(value)}, expected a number")
+        numbers[key] = number
+    return numbers
+
+
+def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise InputError(f"{quoted(key)} stands twice")
+        found[key] = value
+    return found

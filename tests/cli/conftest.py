@@ -1,0 +1,93 @@
+"""Run commands in this process, and hold each failure to the contract of the command line."""
+
+import os
+import shutil
+import sys
+from typing import NamedTuple
+
+import pytest
+from command_lines import CORRIDOR, COURT, contents, scooter_ride, velocity_csv
+
+from mobility_imu.cli import main
+
+
+class Result(NamedTuple):
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capfd):
+    """Run one command in a folder of its own, as a shell would; returns code and both outputs.
+
+    What compiled libraries write by themselves counts as output.
+    """
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["mobility-imu", *map(str, arguments)])
+        capfd.readouterr()
+        with pytest.raises(SystemExit) as left:
+            main()
+        found = capfd.readouterr()
+        return Result(left.value.code, found.out, found.err)
+
+    return run
+
+
+@pytest.fixture
+def works(run):
+    """Exit code 0."""
+
+    def works(*arguments):
+        result = run(*arguments)
+        assert result.returncode == 0, result.stderr
+        return result
+
+    return works
+
+
+@pytest.fixture
+def fails(run, tmp_path):
+    """Exit code 2, one line on stderr that says it, no file left behind or changed."""
+
+    def fails(*arguments, says=()):
+        before = contents(tmp_path)
+        result = run(*arguments)
+        assert result.returncode == 2, result
+        assert result.stdout == ""
+        assert result.stderr.endswith("\n") and result.stderr.startswith("mobility-imu: ")
+        line = result.stderr[:-1]
+        assert line.isprintable(), result.stderr  # one line, and nothing that acts on a terminal
+        for part in says:
+            assert part in line
+        assert contents(tmp_path) == before
+        return line
+
+    return fails
+
+
+@pytest.fixture(scope="session")
+def inputs(tmp_path_factory):
+    """Folder with the inputs of every command, each under a short name."""
+    folder = tmp_path_factory.mktemp("inputs")
+    scooter_ride(folder)
+    velocity_csv(folder / "velocity.csv")
+    (folder / "settings.json").write_text('{"segment_s": 0.25}')
+    (folder / "poses.csv").write_text("steering_deg,throttle_deg\n0,0\n")
+    for name in ("court", "static", "straight"):
+        shutil.copy(COURT / f"{name}.csv.gz", folder)
+    for name in ("tilts", "walk"):
+        shutil.copy(CORRIDOR / f"{name}.csv.gz", folder)
+    shutil.copy(COURT / "geometry.toml", folder / "chair.toml")
+    shutil.copy(CORRIDOR / "true_mount.toml", folder / "frame.toml")
+    return folder
+
+
+@pytest.fixture
+def room(inputs, tmp_path):
+    """Folder of a test with these inputs, as hard links: nothing may change them."""
+    for path in inputs.iterdir():
+        os.link(path, tmp_path / path.name)
+    return tmp_path

@@ -1,0 +1,91 @@
+"""Every option of every command with an odd value: an answer or one line, never a traceback."""
+
+import os
+
+import numpy as np
+import pytest
+import typer
+from command_lines import COMMANDS, NAMES, contents
+
+from mobility_imu.cli.main import app
+
+COUNT = int(os.environ.get("MOBILITY_IMU_MUTATIONS", "200")) // 2
+VALUES = (
+    *(
+        "",
+        " ",
+        "-",
+        "--",
+        "-1",
+        "0",
+        "1",
+        "2",
+        "1.5",
+        "1e3",
+        "1e308",
+        "nan",
+        "inf",
+        "-inf",
+        "1e-320",
+    ),
+    *("9" * 30, "9" * 400, "9" * 5000, "0x10", "1_0", "١", "true", "none", "a,b", ",", "[1]"),
+    *("none/none", "n" * 300, "~", "a\x1b[2Jb", "\udcff", "\u202e", "a\nb", "*"),
+    *("f.svg", "o.csv.gz", ".png", "o.PNG"),
+)
+THERE = (".", "..", "/", "ride.csv", "g.toml", "settings.json", "court.csv.gz", "frame.toml")
+OUTPUTS = ("--output", "-o", "--events", "--figure", "--steps")
+CHECK = "court.csv.gz --static static.csv.gz --straight straight.csv.gz --geometry chair.toml"
+LINES = {
+    **{name: [*arguments] for name, (arguments, _, _) in COMMANDS.items()},
+    "wheelchair check": CHECK.split(),
+    **{f"simulate {device}": ["--seed", "1"] for device in ("scooter", "wheelchair", "walker")},
+}
+
+
+def parameters():
+    """Each command with each of its parameters: (command, option or None for an argument)."""
+    for group, commands in typer.main.get_command(app).commands.items():
+        for name, command in getattr(commands, "commands", {}).items():
+            for parameter in command.params:
+                if "--help" not in parameter.opts:
+                    option = next((o for o in parameter.opts if o.startswith("-")), None)
+                    yield f"{group} {name}", option
+
+
+PARAMETERS = list(parameters())
+
+
+def test_every_command_is_tried():
+    assert {name for name, _ in PARAMETERS} == set(LINES)
+    assert len(PARAMETERS) > 50
+
+
+@pytest.mark.parametrize("seed", range(COUNT))
+def test_odd_values_end_in_an_answer_or_one_line(seed, room, run):
+    rng = np.random.default_rng([7, seed])
+    name, option = PARAMETERS[seed % len(PARAMETERS)]
+    # Outputs get new names only: a folder or file that is there may be written, rightly.
+    values = VALUES if option in OUTPUTS else (*VALUES, *THERE)
+    value = values[rng.integers(len(values))]
+    line = [*name.split(), *LINES[name]]
+    if "check" not in name:
+        line += ["-o", NAMES["-o"]]
+    if option is None:
+        line[2] = value
+    elif option in line:
+        line[line.index(option) + 1] = value
+    else:
+        line += [option, value]
+    if rng.random() < 0.3:
+        line += ["--method", "fusion"]
+    before = contents(room)
+    result = run(*line)
+    after = contents(room)
+    assert all(after.get(path) == content for path, content in before.items())
+    assert result.stderr.replace("\n", "").isprintable()
+    if result.returncode == 0:
+        assert name == "wheelchair check" or len(after) > len(before)
+    else:
+        assert result.returncode == 2, result
+        assert after == before
+        assert len(result.stderr.splitlines()) == 1 and result.stdout == "", result

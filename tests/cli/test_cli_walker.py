@@ -1,0 +1,85 @@
+"""Walking frame on the command line: from tilts to a mount, from a walk to a path and steps."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from command_lines import CORRIDOR, calibrate, trajectory
+
+TRUE_MOUNT = CORRIDOR / "true_mount.toml"
+
+
+@pytest.mark.parametrize("method", ["four-tilts", "two-tilts", "all-samples"])
+def test_from_tilts_to_a_path(tmp_path, works, method):
+    """Mount within 10 cm (the paper's method) or 3 cm (whole arcs), path within 2 % of 10 m."""
+    from mobility_imu.walker import WalkerGeometry, WalkerMount
+
+    works(*calibrate(), "--method", method)
+    found, true = (WalkerMount.from_toml(f) for f in (tmp_path / "m.toml", TRUE_MOUNT))
+    off = np.linalg.norm(found.translation_body_m - true.translation_body_m)
+    assert off < (0.03 if method == "all-samples" else 0.1)
+    assert WalkerGeometry.from_toml(tmp_path / "m.toml") == WalkerGeometry.from_toml(
+        CORRIDOR / "geometry.toml"
+    )
+    assert ("translation_sd_m" in (tmp_path / "m.toml").read_text()) == (method == "all-samples")
+    works(*trajectory(), "--steps", "steps.csv")
+    path = pd.read_csv(tmp_path / "path.csv")
+    truth = pd.read_csv(CORRIDOR / "truth.csv.gz")
+    assert list(path) == ["time_s", "x_m", "y_m", "z_m", "yaw_deg", "stationary"]
+    end = path[["x_m", "y_m"]].iloc[-1] - truth[["x_m", "y_m"]].iloc[-1]
+    assert np.hypot(*end) < 0.2
+    assert len(pd.read_csv(tmp_path / "steps.csv")) == 29
+
+
+def test_options(works, fails):
+    works(*calibrate(), "--no-smooth", "--form", "printed")
+    for options in (["--no-smooth"], ["--closed-loop"]):
+        works(*trajectory(), *options)
+    assert "no step found" in works(*trajectory(walk=CORRIDOR / "tilts.csv.gz")).stderr
+    assert "[walker]" in works("walker", "calibrate", "--help").stdout
+    both = ["--no-smooth", "--closed-loop"]
+    fails(*trajectory(), *both, says=["--closed-loop needs the smoother"])
+    swapped = works(*calibrate(), "--order", "right,front,left,back")
+    assert "other way round" in swapped.stderr
+
+
+@pytest.fixture
+def saved(tmp_path):
+    """Write a changed recording; returns its name."""
+
+    def saved(table):
+        table.to_csv(tmp_path / "t.csv", index=False)
+        return "t.csv"
+
+    return saved
+
+
+def test_tilts_that_do_not_serve(fails, saved):
+    tilts = pd.read_csv(CORRIDOR / "tilts.csv.gz")
+    cut = tilts[tilts["time_s"] < 5.0]  # in the hold of the first tilt
+    fails(*calibrate(tilts=saved(cut)), says=["t.csv", "before the recording ends"])
+    half = saved(tilts[tilts["time_s"] < 15.0])
+    fails(*calibrate(tilts=half), "--method", "four-tilts", says=["missing: ", "left"])
+    gap = saved(tilts.drop(index=range(500, 540)))
+    fails(*calibrate(tilts=gap), says=["gap of 0.41 s"])
+    in_g = tilts.copy()
+    in_g[[f"frame_acc_{k}_mps2" for k in "xyz"]] /= 9.80665
+    fails(*calibrate(tilts=saved(in_g)), says=["looks like g"])
+    shaken = tilts.copy()
+    shaken["frame_gyr_x_radps"] += 0.4 * np.sin(50 * shaken["time_s"])
+    fails(*calibrate(tilts=saved(shaken)), says=["not still within the first 5 s"])
+    fails(*calibrate(), "--order", "up,down", says=["order = up, down"])
+    renamed = tilts.rename(columns=lambda name: name.replace("frame", "lever"))
+    fails(*calibrate(tilts=saved(renamed)), says=["no sensor 'frame'", "lever"])
+
+
+def test_geometry_and_walks_that_do_not_serve(tmp_path, fails, saved):
+    fails(*trajectory(mount=CORRIDOR / "geometry.toml"), says=["[walker.mount]"])
+    (tmp_path / "cm.toml").write_text("[walker]\nfootprint_width_m = 60\nfootprint_length_m = 52\n")
+    fails(*calibrate(geometry="cm.toml"), says=["footprint_width_m", "in cm?"])
+    (tmp_path / "m.toml").write_text(TRUE_MOUNT.read_text().replace("0.987", "0.687"))
+    fails(*trajectory(), says=["m.toml", "not a rotation"])
+    missing = ["--steps", "none/steps.csv"]
+    fails(*trajectory(mount=TRUE_MOUNT), *missing, says=["no such folder"])
+    walk = pd.read_csv(CORRIDOR / "walk.csv.gz")
+    walk.loc[4000, "frame_gyr_z_radps"] = np.nan
+    fails(*trajectory(walk=saved(walk), mount=TRUE_MOUNT), says=["frame_gyr_z", "nan"])

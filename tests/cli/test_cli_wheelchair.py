@@ -1,0 +1,130 @@
+"""Wheelchair on the command line: from raw trials to velocities, tasks and a chronogram."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from command_lines import COURT, velocity, velocity_csv
+
+
+def test_from_raw_trial_to_chronogram(tmp_path, works):
+    works(*velocity())
+    found = pd.read_csv(tmp_path / "v.csv")
+    assert list(found) == ["time_s", "linear_velocity_mps", "yaw_rate_degps", "slip"]
+    truth = pd.read_csv(COURT / "truth.csv.gz")
+    # Simulated noise and bias: 0.003 rad/s on the gyroscopes, times the radius.
+    error = found["linear_velocity_mps"] - truth["linear_velocity_mps"]
+    assert np.sqrt((error**2).mean()) < 0.002
+    assert found["slip"].sum() == 0
+
+    works("wheelchair", "tasks", "v.csv", "-o", "tasks.csv", "--figure", "chronogram.png")
+    tasks = pd.read_csv(tmp_path / "tasks.csv")
+    assert list(tasks) == [
+        "time_s",
+        "linear_velocity_mps",
+        "yaw_rate_degps",
+        "task_code",
+        "task",
+    ]
+    assert set(tasks["task_code"]) == {1, 2, 3, 4, 5, 6}
+    assert tasks.groupby("task_code")["task"].nunique().eq(1).all()
+    assert (tmp_path / "chronogram.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_printed_camber_falsifies_the_yaw_of_the_wheels(tmp_path, works):
+    works(*velocity(), "--camber", "printed")
+    assert pd.read_csv(tmp_path / "v.csv")["slip"].mean() > 0.2
+
+
+def test_check_events_and_filters(tmp_path, works, fails):
+    trials = velocity()[2:-2]
+    assert "the geometry fits" in works("wheelchair", "check", *trials).stdout
+    wrong = (COURT / "geometry.toml").read_text().replace("track_m = 0.84", "track_m = 0.80")
+    (tmp_path / "wrong.toml").write_text(wrong)
+    result = works("wheelchair", "check", *trials[:-1], tmp_path / "wrong.toml")
+    assert "0.840 m, not 0.800 m" in result.stdout
+    works(*velocity(), "--filter", "savitzky-golay", "--filter-window", 9)
+    works("wheelchair", "tasks", "v.csv", "-o", "t.csv", "--events", "e.csv", "--direction")
+    events = pd.read_csv(tmp_path / "e.csv")
+    assert events["duration_s"].sum() == pytest.approx(52.5)
+    tasks = pd.read_csv(tmp_path / "t.csv")
+    assert set(tasks["direction"].dropna()) == {"left", "right"}
+    even = ["--filter", "moving-average", "--filter-window", 8]
+    fails(*velocity(), *even, says=["8", "odd"])
+
+
+SETTINGS = {
+    "freqAcq": 100,
+    "inptSegmentsec": 0.5,
+    "seuilVitLinAbs": 0.5,
+    "seuilVitAngAbs": 40,
+    "seuilRayonMin": 0.2,
+    "seuilRayonMax": 0.5,
+    "newSeuilVitLinAbs": None,
+    "newSeuilVitAngAbs": 10,
+}
+
+
+@pytest.fixture
+def with_settings(tmp_path):
+    """Command line of ``wheelchair tasks`` with settings, given as JSON text or as an object."""
+    velocity_csv(tmp_path / "v.csv")
+
+    def with_settings(content):
+        text = content if isinstance(content, str) else json.dumps(content)
+        (tmp_path / "s.json").write_text(text)
+        return ["wheelchair", "tasks", "v.csv", "-o", "tasks.csv", "--settings", "s.json"]
+
+    return with_settings
+
+
+def test_tool_settings_file(with_settings, works, fails):
+    works(*with_settings(SETTINGS), "--edge", "tool")
+    fails(*with_settings(SETTINGS | {"freqAcq": 50}), says=["50 Hz", "100 Hz"])
+    fails(*with_settings({"seuilVitLin": 1}), says=["seuilVitLin", "not a setting"])
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ('{"freqAcq": 0}', "freqAcq: sampling rate of 0 Hz"),
+        ('{"freqAcq": null}', "freqAcq: sampling rate of 0 Hz"),
+        ('{"freqAcq": NaN}', "freqAcq: sampling rate of nan Hz"),
+        ('{"freqAcq": -100}', "freqAcq: sampling rate of -100 Hz"),
+        ('{"freqAcq": "100"}', "freqAcq = '100', expected a number"),
+        ('{"seuilVitLinAbs": true}', "seuilVitLinAbs = True, expected a number"),
+        ('{"seuilVitLinAbs": "0.5"}', "seuilVitLinAbs = '0.5', expected a number"),
+        ('{"seuilVitLinAbs": 1, "seuilVitLinAbs": 2}', "seuilVitLinAbs stands twice"),
+        ('{"seuilVitLinAbs": NaN}', "linear_velocity_mps = nan"),
+        ('{"seuilVitLinAbs": 1' + 310 * "0" + "}", "expected a number"),
+        ('{"seuilVitLinAbs": 1' + 5000 * "0" + "}", "too many digits"),
+        (100_000 * "[", "nested too deeply"),
+        ('{"seuilVitLinAbs": ' + 100_000 * '{"a": ', "nested too deeply"),
+        ("[1, 2]", "expected a JSON object"),
+        ("{", "not valid JSON"),
+        ('{"a\x1b[2J": 1}', "not valid JSON"),
+        ('{"a\\u001b[2J": 1}', r"a\x1b[2J is not a setting"),
+    ],
+)
+def test_faulty_settings_are_one_line(with_settings, fails, content, says):
+    fails(*with_settings(content), says=["s.json", says])
+
+
+def test_uneven_segment_warns(with_settings, works):
+    result = works(*with_settings({"segment_s": 0.255}))
+    assert "warning" in result.stderr and "25.5 frames" in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+
+
+def test_bad_input(tmp_path, fails):
+    static, court = COURT / "static.csv.gz", COURT / "court.csv.gz"
+    fails(*velocity(COURT / "none.csv"), says=["none.csv", "no such file"])
+    fails(*velocity(static=court), says=["rad/s", "static trial"])
+    fails(*velocity(straight=static), says=["straight-line trial"])
+    fails(*velocity(straight=court), says=["across its axle"])
+    fails(*velocity(geometry=COURT / "none.toml"), says=["no such file"])
+    velocity_csv(tmp_path / "v.csv")
+    figure = ["v.csv", "-o", "t.csv", "--figure", "chronogram.xyz"]
+    fails("wheelchair", "tasks", *figure, says=["--figure", ".png"])
+    fails("wheelchair", "tasks", "v.csv", "-o", "none/t.csv", says=["no such folder"])
