@@ -9,16 +9,26 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.errors import InputError
 from mobility_imu.reproduction.scooter.static_table import STEERING_POSITIONS_RAD, static_table
 from mobility_imu.reproduction.scooter.table1_fit import (
-    MODELS,
-    OTHER_MODELS,
-    PARAMETERS,
+    fit_from,
     fit_models,
     fit_table,
     half_controls,
-    predict_table,
-    published_table,
     quality,
     shuffled_tables,
+)
+from mobility_imu.reproduction.scooter.table1_model import (
+    DUAL,
+    MODELS,
+    NOISE,
+    OTHER_MODELS,
+    PARAMETERS,
+    PRIOR_SD_DEG,
+    TableCost,
+    cell_sd,
+    pick,
+    places,
+    predict_table,
+    published_table,
 )
 from mobility_imu.scooter import SUZUKI_ET4D, ScooterGeometry
 from mobility_imu.scooter.angles import three_axis_angles
@@ -83,6 +93,42 @@ def test_noise_in_expectation_matches_noise_drawn():
     assert ours[0, 1, 0] == pytest.approx(size.mean(), abs=0.008)
     assert ours[0, 1, 1] == pytest.approx(np.sqrt(size.var(axis=1, ddof=1).mean()), abs=0.008)
     assert 1 < ours[0, 1, 1] / size.std(axis=1, ddof=1).mean() < 1.06
+
+
+def test_parameters_are_found_by_name():
+    given = np.arange(len(PARAMETERS), dtype=float)
+    names = ("throttle noise", "lever z", "body bias z")
+    assert [PARAMETERS[k] for k in pick(given, *names).astype(int)] == list(names)
+    assert places(PARAMETERS).tolist() == list(range(29)) and list(PRIOR_SD_DEG) == list(PARAMETERS)
+
+
+def test_the_cost_is_the_sum_that_the_chapter_writes():
+    printed = published_table()
+    cost = TableCost(printed, MODELS["+ noise"], spread_deg=None)
+    part = 0.4 * np.random.default_rng(3).normal(size=(2, 18))
+    for one, residuals, density in zip(
+        part, cost.residuals(part), cost.log_density(part), strict=True
+    ):
+        whole = np.concatenate([one, np.zeros(11)])
+        gap = (predict_table(whole) - printed) / np.maximum(0.5, printed * [0.08, 0.15, 0.08, 0.15])
+        by_hand = (gap**2).sum() + ((one / cost.prior_sd_deg) ** 2).sum()
+        assert (residuals**2).sum() == pytest.approx(by_hand) == -2 * density
+    assert cost.is_noise.sum() == len(NOISE) == 2
+    # Half the table, all its spreads doubled: a quarter of its part of the cost.
+    half = TableCost(printed, cost.names, use=DUAL, spread_deg=2 * cell_sd(printed))
+    plain = TableCost(printed, cost.names, use=DUAL)
+    prior = ((part[0] / cost.prior_sd_deg) ** 2).sum()
+    assert -2 * half.log_density(part[0]) - prior == pytest.approx(
+        (-2 * plain.log_density(part[0]) - prior) / 4
+    )
+
+
+def test_a_fit_from_its_own_optimum_stays_there():
+    cost = TableCost(published_table(), MODELS["+ mounting"])
+    first = fit_from(cost, 0.1 * cost.prior_sd_deg)
+    again = fit_from(cost, first.values_deg)
+    np.testing.assert_allclose(again.values_deg, first.values_deg, atol=1e-3)
+    assert again.cost <= first.cost + 1e-9
 
 
 def test_predictions_of_many_are_those_of_each():

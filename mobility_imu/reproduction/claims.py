@@ -172,7 +172,7 @@ class Outcome:
 
     @property
     def verdict(self) -> Verdict:
-        """Agreement: a bound kept, or within the tolerance and the last digit of a float."""
+        """Agreement if a bound is kept, or within the tolerance and the last digit of a float."""
         if self.claim.compute is None:
             return "not reproducible"
         if math.isnan(self.ours):

@@ -21,81 +21,28 @@ from itertools import permutations
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.reproduction.scooter.static_table import (
-    COLUMNS,
-    ROWS,
-    SLOPE_RAD,
-    STEERING_POSITIONS_RAD,
-    THROTTLE_POSITIONS_RAD,
-)
-from mobility_imu.scooter.angles import three_axis_angles
-from mobility_imu.scooter.geometry import (
-    SUZUKI_ET4D,
-    ScooterGeometry,
-    body_specific_force,
-    rotation_lever_to_body,
+from mobility_imu.reproduction.scooter.table1_model import (
+    DUAL,
+    FLOOR_DEG,
+    MODELS,
+    NOISE,
+    OTHER_MODELS,
+    PARAMETERS,
+    PRIOR_SD_DEG,
+    SINGLE,
+    TableCost,
+    cell_sd,
+    pick,
+    places,
 )
 
 if TYPE_CHECKING:
     import pandas as pd
 
-QUANTITIES = ("single_mae", "single_sd", "dual_mae", "dual_sd")
-SINGLE, DUAL = slice(0, 2), slice(2, 4)
 Shuffle = Literal["rows", "columns", "both"]
 SHUFFLES: tuple[Shuffle, ...] = ("rows", "columns", "both")
-
-# Fixed before the fit. Mounting: set by eye and tape. Slopes: CELL_TOLERANCE_REASON of the static
-# test. Noise: backlash and reading of the wire sensors, half-normal.
-PRIOR_SD_DEG = {
-    "lever z": 2.0,
-    "lever x": 2.0,
-    "lever y": 2.0,
-    "body x": 2.0,
-    "body y": 2.0,
-    "body z": 2.0,
-    **{f"{angle} {row}": 1.0 for angle in ("pitch", "roll") for row in ROWS},
-    "steering noise": 1.0,
-    "throttle noise": 1.0,
-    # Rivals: other causes of the same size. Biases as the tilt that they look like: 5 milli-g.
-    "alpha": 1.0,
-    "steering reference offset": 1.0,
-    "throttle reference offset": 1.0,
-    "steering reference at lock": 1.0,
-    "throttle reference at end": 1.0,
-    **{f"{imu} bias {axis}": 0.286 for imu in ("lever", "body") for axis in "xyz"},
-}
-PARAMETERS = tuple(PRIOR_SD_DEG)
-"""Names of all free parameters, in the order of the vectors."""
-_NOISE = PARAMETERS[16:18]
-MODELS: dict[str, tuple[str, ...]] = {
-    "geometry": (),
-    "+ yaw": PARAMETERS[:1],
-    "+ mounting": PARAMETERS[:6],
-    "+ slopes": PARAMETERS[:16],
-    "+ noise": PARAMETERS[:18],
-}
-"""The nested models and their free parameters."""
-OTHER_MODELS: dict[str, tuple[str, ...]] = {
-    "geometry and noise only": _NOISE,
-    "yaw and noise": (*PARAMETERS[:1], *_NOISE),
-    "yaw, side slopes, noise": (*PARAMETERS[:1], "roll left", "roll right", *_NOISE),
-    "mounting and noise": (*PARAMETERS[:6], *_NOISE),
-    "+ noise + rivals": PARAMETERS,
-}
-"""Models beside the chain. They show which of its steps matter, and whether its values survive.
-
-The rivals are an error of alpha (one of beta is one of the lever IMU about x, exactly), offset and
-range of the two reference angles, and both accelerometers' biases.
-"""
-
-# A cell is a mean of 4 or 7 positions: reading noise of 1 deg leaves 0.3 to 0.5 deg of chance in
-# it. What grows with the error itself (positions and range of the dials) is taken as a share.
-FLOOR_DEG = 0.5
-SHARE_MAE, SHARE_SD = 0.08, 0.15
 
 IDENTIFIED_SHARE = float(np.sqrt(0.5))
 """Posterior over prior sd below which the table says more about a parameter than the prior does."""
@@ -168,82 +115,6 @@ class FitQuality(NamedTuple):
     dual_cells: int
 
 
-def published_table() -> FloatArray:
-    """Table 1 as printed, (5, 5, 4), deg: row, column, quantity."""
-    from mobility_imu.reproduction.published import load_published
-
-    cells = load_published("scooter_table1").set_index(["row", "column", "quantity"])["value"]
-    return np.array([[[cells[r, c, q] for q in QUANTITIES] for c in COLUMNS] for r in ROWS])
-
-
-def predict_table(
-    values_deg: ArrayLike,
-    *,
-    left_row_ax_sign: int = -1,
-    geometry: ScooterGeometry = SUZUKI_ET4D,
-) -> FloatArray:
-    """Expected Table 1 for given nuisances.
-
-    Noise is handled in expectation: the mean of ``|e + n|`` with Gaussian n (folded normal), and
-    the root of the expected squared SD. Where noise is all there is, that root is 11 % (4
-    positions) or 6 % (7) above the expected SD; less than the 15 % and 0.5 deg that an SD may
-    differ by.
-
-    Parameters
-    ----------
-    values_deg : (..., 29) array, deg, in the order of :data:`PARAMETERS`; zeros are geometry alone
-    left_row_ax_sign : -1 or +1
-    geometry : ScooterGeometry
-
-    Returns
-    -------
-    (..., 5, 5, 4) array, deg: row, column, quantity
-
-    Raises
-    ------
-    InputError
-        If the sign is not +1 or -1, or there are not 29 values.
-    """
-    if left_row_ax_sign not in (-1, 1):
-        raise InputError(f"left_row_ax_sign = {left_row_ax_sign}: expected +1 or -1")
-    values = np.asarray(values_deg, float)
-    if values.shape[-1:] != (len(PARAMETERS),):
-        raise InputError(f"values_deg: shape {values.shape}, expected {len(PARAMETERS)} values")
-    lead = values.shape[:-1]
-    values = values.reshape(-1, len(PARAMETERS))
-    rad = np.deg2rad(values)
-    # Parameters are stored z, x, y for the lever (yaw is the first step of the chain).
-    lever_turn = _turn(rad[:, [1, 2, 0]])
-    body_turn = _turn(rad[:, 3:6])
-    side = left_row_ax_sign * SLOPE_RAD
-    pitch = rad[:, 6:11] + [0.0, SLOPE_RAD, -SLOPE_RAD, 0.0, 0.0]
-    roll = rad[:, 11:16] + [0.0, 0.0, 0.0, side, -side]
-    force = body_specific_force(pitch, roll)
-    level = body_specific_force(0.0, 0.0)
-    bias = np.tan(rad[:, 23:29]) * level[2]
-    felt = force @ body_turn + bias[:, None, 3:]  # a row times a rotation: its inverse
-    # The true alpha is smaller than the believed one by "alpha": eq. 5 between two turns about x.
-    shaft = _turn(-rad[:, 18, None] * [1.0, 0.0, 0.0])
-    force = force @ shaft
-    lever_turn = np.swapaxes(shaft, 1, 2) @ lever_turn
-
-    table = np.empty((len(values), len(ROWS), len(COLUMNS), len(QUANTITIES)))
-    for columns, which, steering, throttle in _conditions():
-        rotation = rotation_lever_to_body(steering, throttle, geometry)
-        lever = np.einsum("cpji,krj->krcpi", rotation, force) @ lever_turn[:, None, None]
-        lever += bias[:, None, None, None, :3]
-        truth = (steering, throttle)[which]
-        reference_deg = values[:, 19 + which, None, None] + values[:, 21 + which, None, None] * (
-            truth / truth.max()
-        )
-        for mode, body in ((SINGLE, level), (DUAL, felt[:, :, None, None])):
-            angle = three_axis_angles(lever, body, geometry)[which]
-            error_deg = np.rad2deg(angle - truth) - reference_deg[:, None]
-            noise = np.abs(values[:, 16 + which])[:, None, None, None]
-            table[:, :, columns, mode] = _expected_cell(error_deg, noise)
-    return table.reshape(*lead, *table.shape[1:])
-
-
 def fit_table(
     table_deg: FloatArray,
     names: Sequence[str],
@@ -254,12 +125,13 @@ def fit_table(
     first_deg: FloatArray | None = None,
     use: slice = slice(0, 4),
     floor_deg: float = FLOOR_DEG,
+    spread_deg: FloatArray | None = None,
 ) -> list[TableFit]:
     """Fit a model from several starting points.
 
     Parameters
     ----------
-    table_deg : (5, 5, 4) array, deg, as :func:`published_table`
+    table_deg : (5, 5, 4) array, deg, as :func:`~mobility_imu.reproduction.scooter.table1_model.published_table`
     names : free parameters, the others stay zero
     left_row_ax_sign : -1 or +1
     starts : number of random starting points, drawn from half the priors, besides the one next to
@@ -268,81 +140,74 @@ def fit_table(
     first_deg : (29,) array, deg, one more starting point
     use : quantities to fit: all, ``SINGLE`` or ``DUAL``
     floor_deg : deg, smallest standard deviation of a cell
+    spread_deg : (5, 5, 4) array, deg, sd of each cell; None is that of the table and ``floor_deg``
 
     Returns
     -------
     list of TableFit, the best first; later ones are other optima, if their cost differs
     """
-    from scipy import optimize
+    cost = TableCost(
+        table_deg,
+        tuple(names),
+        left_row_ax_sign,
+        use,
+        cell_sd(table_deg, floor_deg) if spread_deg is None else spread_deg,
+    )
+    places(names)  # every name is known
+    if not names:
+        return [_described(cost, np.zeros(0))]
+    found = [fit_from(cost, guess) for guess in _guesses(cost, starts, seed, first_deg)]
+    return sorted(found, key=lambda fit: fit.cost)
 
-    unknown = [name for name in names if name not in PRIOR_SD_DEG]
-    if unknown:
-        raise InputError(f"names: {unknown[0]!r} is not a parameter of Table 1's models")
-    free = np.array([PARAMETERS.index(name) for name in names], int)
-    prior = np.array([PRIOR_SD_DEG[name] for name in names])
-    spread = np.maximum(floor_deg, table_deg * [SHARE_MAE, SHARE_SD, SHARE_MAE, SHARE_SD])
 
-    def full(part: FloatArray) -> FloatArray:
-        values = np.zeros((*part.shape[:-1], len(PARAMETERS)))
-        values[..., free] = part
-        return values
-
-    def residuals(part: FloatArray) -> FloatArray:
-        predicted = predict_table(full(part), left_row_ax_sign=left_row_ax_sign)
-        misfit = ((predicted - table_deg) / spread)[..., use]
-        return np.concatenate([misfit.reshape(*part.shape[:-1], -1), part / prior], axis=-1)
-
-    def derivative(part: FloatArray) -> FloatArray:
-        step = 1e-3 * np.eye(len(part))
-        both = residuals(np.concatenate([part + step, part - step]))
-        return (both[: len(part)] - both[len(part) :]).T / 2e-3
-
+def _guesses(
+    cost: TableCost, starts: int, seed: int, first_deg: FloatArray | None
+) -> list[FloatArray]:
+    """Where to start: at ``first_deg``, next to the stated values, and at random."""
+    prior, is_noise = cost.prior_sd_deg, cost.is_noise
     rng = np.random.default_rng(seed)
-    guesses = [0.5 * prior * rng.standard_normal(len(free)) for _ in range(starts)]
+    guesses = [0.5 * prior * rng.standard_normal(len(prior)) for _ in range(starts)]
     # Not at zero itself: the mean of |e| has a kink there, and the cost no slope by the noise.
-    is_noise = np.isin(free, (16, 17))
     if starts or first_deg is None:
         guesses.insert(0, np.where(is_noise, 0.5, 0.02) * prior)
     if first_deg is not None:
-        first = np.asarray(first_deg, float)[free]
+        first = pick(np.asarray(first_deg, float), *cost.names)
         guesses.insert(0, np.where(is_noise & (first == 0), 0.5 * prior, first))
-    found = []
-    for guess in guesses:
-        if len(free):
-            solved = optimize.least_squares(
-                residuals, guess, derivative, method="trf", max_nfev=60, ftol=1e-7, xtol=1e-6
-            )
-            part = np.where(is_noise, np.abs(solved.x), solved.x)
-        else:
-            part = guess
-        found.append(part)
-        if not len(free):
-            break
-    fits = []
-    for part in found:
-        misfit = residuals(part)
-        jacobian = derivative(part) if len(free) else np.zeros((len(misfit), 0))
-        covariance = np.linalg.inv(jacobian.T @ jacobian)
-        sd = np.sqrt(np.diag(covariance))
-        fits.append(
-            TableFit(
-                names=tuple(names),
-                left_row_ax_sign=left_row_ax_sign,
-                values_deg=part,
-                sd_deg=sd,
-                correlation=covariance / np.outer(sd, sd),
-                cost=float(misfit @ misfit),
-                prior_cost=float(((part / prior) ** 2).sum()),
-                table_deg=predict_table(full(part), left_row_ax_sign=left_row_ax_sign),
-            )
-        )
-    return sorted(fits, key=lambda fit: fit.cost)
+    return guesses
+
+
+def fit_from(cost: TableCost, guess_deg: FloatArray) -> TableFit:
+    """Go from one point, (p,), deg, to the nearest optimum; noise is given as its size."""
+    from scipy import optimize
+
+    solved = optimize.least_squares(
+        cost.residuals, guess_deg, cost.derivative, method="trf", max_nfev=60, ftol=1e-7, xtol=1e-6
+    )
+    return _described(cost, np.where(cost.is_noise, np.abs(solved.x), solved.x))
+
+
+def _described(cost: TableCost, part_deg: FloatArray) -> TableFit:
+    """A fit with its posterior by Gauss and Newton, from its values."""
+    misfit = cost.residuals(part_deg)
+    jacobian = cost.derivative(part_deg) if cost.names else np.zeros((len(misfit), 0))
+    covariance = np.linalg.inv(jacobian.T @ jacobian)
+    sd = np.sqrt(np.diag(covariance))
+    return TableFit(
+        names=cost.names,
+        left_row_ax_sign=cost.left_row_ax_sign,
+        values_deg=part_deg,
+        sd_deg=sd,
+        correlation=covariance / np.outer(sd, sd),
+        cost=float(misfit @ misfit),
+        prior_cost=float(((part_deg / cost.prior_sd_deg) ** 2).sum()),
+        table_deg=cost.predict(part_deg),
+    )
 
 
 def fit_models(
     table_deg: FloatArray, *, left_row_ax_sign: int = -1, starts: int = 6, seed: int = 0
 ) -> dict[str, TableFit]:
-    """Fit the chain of :data:`MODELS`, each also from where the one before it ended.
+    """Fit the chain of ``MODELS``, each also from where the one before it ended.
 
     Absolute errors hardly tell the sign of a small cause: every value within 2 sd of zero is tried
     with the other sign as well.
@@ -368,7 +233,7 @@ def fit_models(
         )[0]
         best[name] = fit = _other_side(table_deg, fit)
         values = values.copy()
-        values[[PARAMETERS.index(p) for p in fit.names]] = fit.values_deg
+        values[places(fit.names)] = fit.values_deg
     return best
 
 
@@ -376,11 +241,11 @@ def _other_side(table_deg: FloatArray, fit: TableFit) -> TableFit:
     """Fit again from each value that may have the other sign, and keep what is better."""
     best = fit
     for place, name in enumerate(fit.names):
-        if name in _NOISE or abs(fit.values_deg[place]) > 2 * fit.sd_deg[place]:
+        if name in NOISE or abs(fit.values_deg[place]) > 2 * fit.sd_deg[place]:
             continue
         first = np.zeros(len(PARAMETERS))
-        first[[PARAMETERS.index(other) for other in fit.names]] = fit.values_deg
-        first[PARAMETERS.index(name)] *= -1
+        first[places(fit.names)] = fit.values_deg
+        first[places([name])] *= -1
         again = fit_table(
             table_deg,
             fit.names,
@@ -549,38 +414,3 @@ def half_controls(table_deg: FloatArray, *, starts: int = 8, seed: int = 4) -> p
     return pd.DataFrame(
         rows, columns=["fitted", "model", "seen_rms_deg", "unseen_rms_deg", "fit"]
     ).set_index(["fitted", "model"])
-
-
-def _conditions() -> list[tuple[slice, int, FloatArray, FloatArray]]:
-    """Columns, which angle is judged (0 steering, 1 throttle), positions (column, place)."""
-    wheel, lever = np.array(STEERING_POSITIONS_RAD), np.array(THROTTLE_POSITIONS_RAD)
-    ends = np.array([0.0, wheel.max(), wheel.min()])
-    shape = (2, len(wheel)), (3, len(lever))
-    return [
-        (slice(0, 2), 0, np.broadcast_to(wheel, shape[0]), _across(lever[[0, -1]], shape[0])),
-        (slice(2, 5), 1, _across(ends, shape[1]), np.broadcast_to(lever, shape[1])),
-    ]
-
-
-def _across(values: FloatArray, shape: tuple[int, int]) -> FloatArray:
-    return np.broadcast_to(values[:, None], shape)
-
-
-def _expected_cell(error_deg: FloatArray, noise_deg: FloatArray) -> FloatArray:
-    """Mean and SD (n - 1) of ``|error + noise|`` over the last axis, as (..., 2)."""
-    from scipy.special import erf
-
-    noise = np.maximum(noise_deg, 1e-9)
-    ratio = error_deg / noise
-    mean = noise * np.sqrt(2 / np.pi) * np.exp(-(ratio**2) / 2) + error_deg * erf(
-        ratio / np.sqrt(2)
-    )
-    variance = np.maximum(error_deg**2 + noise**2 - mean**2, 0)
-    spread = np.sqrt(mean.var(axis=-1, ddof=1) + variance.mean(axis=-1))
-    return np.stack([mean.mean(axis=-1), spread], axis=-1)
-
-
-def _turn(vectors_rad: FloatArray) -> FloatArray:
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_rotvec(vectors_rad).as_matrix()
