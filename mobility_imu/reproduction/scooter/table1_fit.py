@@ -131,7 +131,7 @@ def fit_table(
 
     Parameters
     ----------
-    table_deg : (5, 5, 4) array, deg, as :func:`~mobility_imu.reproduction.scooter.table1_model.published_table`
+    table_deg : (5, 5, 4) array, deg, as ``table1_model.published_table`` gives it
     names : free parameters, the others stay zero
     left_row_ax_sign : -1 or +1
     starts : number of random starting points, drawn from half the priors, besides the one next to
