@@ -261,7 +261,7 @@ def _to_disk(number: int) -> None:
 
 
 def _keep_owner(part: Path, before: os.stat_result) -> None:
-    """Give a file the owner and the group of the file that it replaces, as far as is allowed."""
+    """Set owner and group as on the file that is replaced, as far as is allowed."""
     for user in (before.st_uid, -1):
         with suppress(OSError, AttributeError):  # Windows has no chown
             os.chown(part, user, before.st_gid)

@@ -128,7 +128,7 @@ class Claim:
     copied: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse a row that does not say what it compares."""
+        """Check that the row says what it compares."""
         if (self.compute is None) != (self.basis == "not reproducible"):
             raise InputError(f"{self.where}: a basis and a computation go together")
         if self.compute is None:

@@ -318,6 +318,16 @@ def _of_the_text() -> list[Claim]:
             tolerance=0.05,
             tolerance_reason=rounding,
         ),
+        *_comparisons_of_the_text(),
+    ]
+
+
+def _comparisons_of_the_text() -> list[Claim]:
+    """Statements of the text that compare errors."""
+    recomputed = partial(
+        Claim, work="scooter", basis="published numbers recomputed", tolerance_reason=COUNT_REASON
+    )
+    return [
         recomputed(
             where="section 4",
             what="fraction of Table 1's dual MAE under 10 % of the control's range",

@@ -206,7 +206,6 @@ def _outward_share(facing: Facing) -> float:
 def _frame_angles() -> list[Claim]:
     at_rest = "largest difference of the right side of (1.13) from the unit reading at rest"
     equations = "equations (1.14) and (1.15)"
-    up = "component along the vertical of the aligned z"
     return [
         _claim(
             "equations (1.12) and (1.13)",
@@ -239,6 +238,15 @@ def _frame_angles() -> list[Claim]:
             reference=0.0,
             reference_from="our function",
         ),
+        *_vertical_of_the_frame(),
+    ]
+
+
+def _vertical_of_the_frame() -> list[Claim]:
+    """What (1.14) and (1.15) make of the vertical, as printed."""
+    equations = "equations (1.14) and (1.15)"
+    up = "component along the vertical of the aligned z"
+    return [
         _claim(
             equations,
             f"{up}, smallest of sensors with z in the upper half",
@@ -338,6 +346,14 @@ def _camber() -> list[Claim]:
             tolerance_reason=f"{KNOWN}; chosen with the result known (0.0025)",
             finding="W3",
         ),
+        *_camber_fixed_signs(),
+    ]
+
+
+def _camber_fixed_signs() -> list[Claim]:
+    """(1.16) with fixed signs."""
+    eight = "equations (1.16) to (1.18), fixed signs of opposite kind, distance of the centres"
+    return [
         _claim(
             eight,
             "error of the velocity at a yaw rate of 1 rad/s",
