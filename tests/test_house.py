@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from mobility_imu import data
+
 ROOT = Path(__file__).resolve().parents[1]
 VERDICT = ("right", "error", "contradiction", "ambiguous", "silent", "copy")
 PACKAGE = ROOT / "mobility_imu"
@@ -167,3 +169,13 @@ def test_version_is_stated_once_for_all():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
     assert project["version"] == mobility_imu.__version__ == citation["version"]
+
+
+@pytest.mark.parametrize(
+    "page", ["README.md", "data/README.md", "notebooks/wheelchair/realignment.ipynb"]
+)
+def test_the_public_sample_is_to_be_had_where_the_pages_say(page):
+    text = (ROOT / page).read_text()
+    assert data.SAMPLE_REPOSITORY.removeprefix("https://github.com/") in text
+    for part in (data.SAMPLE_COMMIT, data.SAMPLE_ARCHIVE, data.SAMPLE_ARCHIVE_SHA256):
+        assert part in text, f"{page}: {part}"

@@ -49,7 +49,6 @@ def _corrections(unit: ScooterUnit, places: str) -> tuple[FloatArray, FloatArray
     return mounting.rotation_lever_imu_to_lever, mounting.rotation_body_imu_to_body
 
 
-parked_on_level = partial(_corrections, places="level")
 parked_on_ramp = partial(_corrections, places="level + ramp")
 
 
