@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_series
@@ -218,51 +217,3 @@ def _check_units(name: str, imu: Imu, source: str) -> None:
                 f"{source}: {name}_gyr reaches {fastest:.4g}, more than any such sensor measures "
                 f"in rad/s ({LARGEST_RATE_RADPS:g}): this looks like deg/s"
             )
-
-
-def frozen_samples(values: FloatArray, sampling_rate_hz: float) -> NDArray[np.bool_]:
-    """Where a sensor repeats itself on all axes for a quarter of a second or more.
-
-    Noise alone changes the last digit of some axis with every sample of a working sensor.
-
-    Parameters
-    ----------
-    values : (n, 3) array
-    sampling_rate_hz : Hz
-
-    Returns
-    -------
-    (n,) bool array
-    """
-    same = np.r_[False, (np.diff(values, axis=0) == 0).all(axis=1)]
-    return _in_runs(same, max(2, round(0.25 * sampling_rate_hz) - 1), grow=True)
-
-
-def saturated_samples(values: FloatArray, *, run: int = 3) -> NDArray[np.bool_]:
-    """Where an axis stays at its largest size for some samples: the range of the sensor is cut.
-
-    Parameters
-    ----------
-    values : (n, 3) array
-    run : fewest samples at the limit, one after the other
-
-    Returns
-    -------
-    (n,) bool array
-    """
-    cut = np.zeros(len(values), bool)
-    for axis in np.abs(values).T:
-        at_limit = (axis == axis.max()) & (axis > 1.2 * np.median(axis))
-        cut |= _in_runs(at_limit, run, grow=False)
-    return cut
-
-
-def _in_runs(flags: NDArray[np.bool_], shortest: int, *, grow: bool) -> NDArray[np.bool_]:
-    """Keep only runs of at least ``shortest`` flags; ``grow`` adds the sample before each."""
-    edge = np.diff(np.r_[0, flags.astype(np.int8), 0])
-    starts, stops = np.nonzero(edge == 1)[0], np.nonzero(edge == -1)[0]
-    long = stops - starts >= shortest
-    out = np.zeros(len(flags) + 1, int)
-    np.add.at(out, starts[long] - grow, 1)
-    np.add.at(out, stops[long], -1)
-    return np.cumsum(out[:-1]) > 0

@@ -20,9 +20,10 @@ DEVICES = ("scooter", "wheelchair", "walker")
 # From the right of the architecture's chain to its left; a module may import what stands before it.
 LAYERS = (
     {"errors"},
-    {"frames", "data"},
-    {"recording", "rotations", "filters", "hinges"},
-    {"readers"},
+    {"frames", "data", "_compiled"},
+    {"runs"},
+    {"rotations", "filters", "recording", "results"},
+    {"hinges", "quality", "readers"},
     set(DEVICES),
     {"simulation", "outcomes"},
     {"plots", "reproduction"},

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.recording import frozen_samples, saturated_samples
+from mobility_imu.quality import frozen_samples, saturated_samples
 from mobility_imu.scooter import SUZUKI_ET4D, estimate_angles
 from mobility_imu.scooter.angles import angle_standard_deviations
 from mobility_imu.scooter.calibration import (

@@ -14,6 +14,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.reproduction.walker.studies import DATASHEET
 from mobility_imu.reproduction.walker.tables import pose_mount
+from mobility_imu.runs import runs_of
 from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
 from mobility_imu.walker import recursion
 from mobility_imu.walker.geometry import rotation_world_to_imu
@@ -29,7 +30,7 @@ from mobility_imu.walker.navigation import (
     step_transition,
     strapdown_rates,
 )
-from mobility_imu.walker.stillness import find_stillness, runs_of
+from mobility_imu.walker.stillness import find_stillness
 
 DT = 0.01
 G = np.array([0.0, 0.0, STANDARD_GRAVITY_MPS2])

@@ -173,7 +173,7 @@ def usable_samples(ride: Recording, names: tuple[str, ...]) -> NDArray[Any]:
     """
     import numpy as np
 
-    from mobility_imu.recording import frozen_samples, saturated_samples
+    from mobility_imu.quality import frozen_samples, saturated_samples
 
     usable = np.ones(len(ride), bool)
     for name in names:

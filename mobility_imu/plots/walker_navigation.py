@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.frames import FloatArray
 from mobility_imu.plots.style import COLOURS, cue, use_style
-from mobility_imu.walker.stillness import StillnessSettings, runs_of
+from mobility_imu.runs import runs_of
+from mobility_imu.walker.stillness import StillnessSettings
 
 if TYPE_CHECKING:
     import pandas as pd

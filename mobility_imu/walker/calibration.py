@@ -17,7 +17,9 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_vectors
-from mobility_imu.recording import Imu, Recording, frozen_samples, saturated_samples
+from mobility_imu.quality import frozen_samples, saturated_samples
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.runs import runs_of
 from mobility_imu.walker.geometry import (
     TILT_DIRECTIONS,
     TiltDirection,
@@ -32,7 +34,7 @@ from mobility_imu.walker.navigation import (
     NavigationSettings,
     navigate,
 )
-from mobility_imu.walker.stillness import StillnessSettings, find_stillness, runs_of
+from mobility_imu.walker.stillness import StillnessSettings, find_stillness
 
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
 Form = Literal["corrected", "printed"]

@@ -14,7 +14,8 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.walker.stillness import StillnessSettings, runs_of
+from mobility_imu.runs import runs_of
+from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.trajectory import Trajectory
 
 if TYPE_CHECKING:

@@ -84,10 +84,3 @@ def find_stillness(
     # An erosion by both lengths: the margin asks for quiet all around, the rest shortens.
     reach = 2 * round((settings.margin_s + settings.shorten_s) * sampling_rate_hz) + 1
     return np.asarray(ndimage.minimum_filter1d(quiet.astype(np.int8), reach, mode="nearest") > 0)
-
-
-def runs_of(flags: ArrayLike) -> list[slice]:
-    """Give the runs of samples where a flag is set."""
-    edge = np.diff(np.r_[0, np.asarray(flags, np.int8), 0])
-    starts, stops = np.nonzero(edge == 1)[0], np.nonzero(edge == -1)[0]
-    return [slice(int(a), int(b)) for a, b in zip(starts, stops, strict=True)]
