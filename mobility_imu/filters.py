@@ -1,4 +1,4 @@
-"""Filters, thin on ``scipy.ndimage`` and ``scipy.signal``."""
+"""Thin wrappers of ``scipy.ndimage`` and ``scipy.signal``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy import ndimage
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, as_count, one_of
 
 
 def median_filter(
@@ -33,8 +33,8 @@ def median_filter(
     InputError
         If the window is even, not positive, or longer than the data.
     """
-    data = np.asarray(values, float)
-    _check_window("median", window, len(data))
+    one_of("edge", edge, ("nearest", "zero"))
+    data, window = _checked("median", values, window)
     if window == 1:
         return data.copy()
     mode = "constant" if edge == "zero" else "nearest"
@@ -63,8 +63,7 @@ def moving_average(values: ArrayLike, window: int) -> FloatArray:
     InputError
         If the window is even, not positive, or longer than the data.
     """
-    data = np.asarray(values, float)
-    _check_window("moving average", window, len(data))
+    data, window = _checked("moving average", values, window)
     return ndimage.uniform_filter1d(data, window, axis=0, mode="nearest")
 
 
@@ -88,15 +87,24 @@ def savitzky_golay(values: ArrayLike, window: int, order: int) -> FloatArray:
     """
     from scipy import signal
 
-    data = np.asarray(values, float)
-    _check_window("Savitzky-Golay", window, len(data))
+    data, window = _checked("Savitzky-Golay", values, window)
     if not 0 <= order < window:
         raise InputError(f"Savitzky-Golay order = {order}: expected from 0 to window - 1")
     return signal.savgol_filter(data, window, order, axis=0)
 
 
-def _check_window(name: str, window: int, count: int) -> None:
-    if window < 1 or window % 2 == 0:
-        raise InputError(f"{name} window = {window}: expected an odd number of samples")
-    if window > count:
-        raise InputError(f"{name} window = {window}: longer than the {count} samples")
+def _checked(name: str, values: ArrayLike, window: int) -> tuple[FloatArray, int]:
+    """Data as a float array of one or two dimensions, and the window as a whole odd number."""
+    data = np.asarray(values, float)
+    if data.ndim not in (1, 2) or not len(data):
+        raise InputError(f"{name}: expected one or more samples, got an array {data.shape}")
+    given: float = window
+    try:
+        window = as_count(int(given) if given == int(given) else given, f"{name} window")
+    except (InputError, TypeError, ValueError, OverflowError):
+        window = 0
+    if window % 2 == 0:
+        raise InputError(f"{name} window = {given!r}: expected an odd number of samples")
+    if window > len(data):
+        raise InputError(f"{name} window = {window}: longer than the {len(data)} samples")
+    return data, window

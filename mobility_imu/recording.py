@@ -5,47 +5,64 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_series
+from mobility_imu.frames import FloatArray, as_clock, as_number, as_vectors
+from mobility_imu.results import Result
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# A time step longer than this share of the usual one is a gap: at 1.5 a sample is missing.
-GAP_FACTOR = 1.5
 # 2000 deg/s is the widest range of the usual IMUs; a unit error (deg/s) overshoots it at once.
 LARGEST_RATE_RADPS = 40.0
 # Median length of the specific force. A wheel adds a centripetal part, so the upper end is loose.
 PLAUSIBLE_ACC_MPS2 = (6.0, 60.0)
 
 
-@dataclass(frozen=True)
-class Imu:
+@dataclass(frozen=True, eq=False, repr=False)
+class Imu(Result):
     """What one sensor measured, in its own axes.
 
     Parameters
     ----------
-    acc_mps2 : (n, 3) array, m/s², specific force (+9.81 upward at rest)
-    gyr_radps : (n, 3) array, rad/s; None if the sensor has no gyroscope
+    acc_mps2 : (n, 3) array, m/s², specific force (+9.81 upward at rest); copied, read-only
+    gyr_radps : (n, 3) array, rad/s; None if the sensor has no gyroscope; copied, read-only
+
+    Raises
+    ------
+    InputError
+        If an array is no series of three real numbers, or the two differ in length.
     """
 
     acc_mps2: FloatArray
     gyr_radps: FloatArray | None = None
 
+    def __post_init__(self) -> None:
+        """Convert and copy both arrays, so that no later change of the input reaches them."""
+        acc = as_vectors(self.acc_mps2, "acc_mps2", ndim=2)
+        object.__setattr__(self, "acc_mps2", np.array(acc, order="C"))
+        if self.gyr_radps is not None:
+            gyr = as_vectors(self.gyr_radps, "gyr_radps", length=len(acc))
+            object.__setattr__(self, "gyr_radps", np.array(gyr, order="C"))
+        super().__post_init__()
 
-@dataclass(frozen=True)
-class Recording:
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        return len(self.acc_mps2)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Result):
     """Samples of one or more IMUs on one clock.
 
     Parameters
     ----------
-    time_s : (n,) array, s, strictly increasing, without gaps
-    sensors : sensor name to :class:`Imu`, all with n samples
-    source : where it came from; stands at the head of error messages
+    time_s : (n,) array, s, strictly increasing, without gaps; copied, read-only
+    sensors : sensor name to :class:`Imu`, all with n samples; kept as a read-only mapping
+    source : where the recording comes from; error messages begin with it
 
     Raises
     ------
@@ -56,7 +73,10 @@ class Recording:
     Examples
     --------
     >>> still = np.tile([0.0, 0.0, 9.81], (3, 1))
-    >>> Recording(np.arange(3) / 100, {"frame": Imu(still)}).sampling_rate_hz
+    >>> recording = Recording(np.arange(3) / 100, {"frame": Imu(still)}, source="walk.csv")
+    >>> recording
+    Recording('walk.csv', 3 samples, 100 Hz, 0.02 s: frame[acc])
+    >>> recording.sampling_rate_hz
     100.0
     """
 
@@ -66,19 +86,38 @@ class Recording:
 
     def __post_init__(self) -> None:
         """Check everything that later steps rely on."""
-        time_s = as_series(self.time_s, f"{self.source}: time_s")
-        if len(time_s) < 2:
-            raise InputError(f"{self.source}: {len(time_s)} sample(s), expected at least 2")
-        _check_clock(time_s, self.source)
-        if not self.sensors:
-            raise InputError(f"{self.source}: no sensor")
+        time_s = as_clock(self.time_s, f"{self.source}: time_s", even=True)
+        if not isinstance(self.sensors, Mapping) or not self.sensors:
+            raise InputError(f"{self.source}: no sensor; expected a mapping of name to Imu")
         for name, imu in self.sensors.items():
+            if not isinstance(imu, Imu):
+                raise InputError(f"{self.source}: sensor {name!r} is {imu!r:.60}, expected an Imu")
             _check_imu(name, imu, len(time_s), self.source)
-        object.__setattr__(self, "time_s", time_s)
+        object.__setattr__(self, "time_s", time_s.copy())
         object.__setattr__(self, "sensors", MappingProxyType(dict(self.sensors)))
+        super().__post_init__()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """State to pickle or copy: a read-only mapping can be neither."""
+        return {**self.__dict__, "sensors": dict(self.sensors)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore from a pickle or a copy."""
+        super().__setstate__({**state, "sensors": MappingProxyType(state["sensors"])})
+
+    def __repr__(self) -> str:
+        """One line: source, samples, rate, length, sensors."""
+        sensors = ", ".join(
+            f"{name}[{'acc' if imu.gyr_radps is None else 'acc, gyr'}]"
+            for name, imu in self.sensors.items()
+        )
+        return (
+            f"Recording({self.source!r}, {len(self)} samples, {self.sampling_rate_hz:g} Hz, "
+            f"{self.time_s[-1] - self.time_s[0]:g} s: {sensors})"
+        )
 
     def __len__(self) -> int:
-        """Give the number of samples."""
+        """Return the number of samples."""
         return len(self.time_s)
 
     @property
@@ -88,7 +127,7 @@ class Recording:
         return round(float(rate), 6)
 
     def sensor(self, name: str, *, gyroscope: bool = False) -> Imu:
-        """Give one sensor, or say which ones there are.
+        """Return one sensor; the error lists the available names.
 
         Parameters
         ----------
@@ -103,8 +142,19 @@ class Recording:
             raise InputError(f"{self.source}: sensor '{name}' has no gyroscope columns")
         return imu
 
+    def gyroscope(self, name: str) -> FloatArray:
+        """Return the rates of one sensor, (n, 3) in rad/s; an error if it has no gyroscope.
+
+        Parameters
+        ----------
+        name : the sensor's name
+        """
+        rates = self.sensor(name, gyroscope=True).gyr_radps
+        assert rates is not None
+        return rates
+
     def to_frame(self) -> pd.DataFrame:
-        """Give the table of the canonical CSV: time and one column per sensor, axis, quantity."""
+        """Table of the canonical CSV: time and one column per sensor, axis, quantity."""
         import pandas as pd
 
         columns = {"time_s": self.time_s}
@@ -137,8 +187,7 @@ class Recording:
         ----------
         sampling_rate_hz : Hz. Going down, filter first: nothing is low-passed here.
         """
-        if not sampling_rate_hz > 0:
-            raise InputError(f"sampling_rate_hz = {sampling_rate_hz}: expected a positive number")
+        sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
         span = self.time_s[-1] - self.time_s[0]
         count = int(np.floor(span * sampling_rate_hz + 1e-9)) + 1
         time_s = self.time_s[0] + np.arange(count) / sampling_rate_hz
@@ -156,34 +205,13 @@ class Recording:
         return Recording(time_s, sensors, source=self.source)
 
 
-def _check_clock(time_s: FloatArray, source: str) -> None:
-    step = np.diff(time_s)
-    if (step == 0).any():
-        k = int(np.argmax(step == 0))
-        raise InputError(f"{source}: time {time_s[k]:g} s stands twice (samples {k} and {k + 1})")
-    if (step < 0).any():
-        k = int(np.argmax(step < 0))
-        raise InputError(
-            f"{source}: time runs backwards at sample {k + 1} "
-            f"({time_s[k]:g} s, then {time_s[k + 1]:g} s)"
-        )
-    usual = float(np.median(step))
-    gap = step > GAP_FACTOR * usual
-    if gap.any():
-        k = int(np.argmax(gap))
-        raise InputError(
-            f"{source}: gap of {step[k]:.3g} s after {time_s[k]:g} s (usual step {usual:.3g} s; "
-            f"{int(gap.sum())} gap(s) in all)"
-        )
-
-
 def _check_imu(name: str, imu: Imu, count: int, source: str) -> None:
     for quantity, values in (("acc", imu.acc_mps2), ("gyr", imu.gyr_radps)):
         if values is None:
             continue
         label = f"{source}: {name}_{quantity}"
-        if np.shape(values) != (count, 3):
-            raise InputError(f"{label}: expected shape ({count}, 3), got {np.shape(values)}")
+        if len(values) != count:
+            raise InputError(f"{label}: expected shape ({count}, 3), got {values.shape}")
         bad = ~np.isfinite(values)
         if bad.any():
             k, axis = (int(index[0]) for index in np.nonzero(bad))
@@ -204,6 +232,10 @@ def _check_units(name: str, imu: Imu, source: str) -> None:
             guess = "this looks like milli-g"
         elif acc > 2500:
             guess = "this looks like mm/s² or raw counts"
+        elif acc > high:
+            guess = (
+                "no recording of these devices stays that high (a sensor far out on a fast wheel?)"
+            )
         else:
             guess = "was gravity taken out?"
         raise InputError(

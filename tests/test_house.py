@@ -21,8 +21,8 @@ DEVICES = ("scooter", "wheelchair", "walker")
 LAYERS = (
     {"errors"},
     {"frames", "data", "_compiled"},
-    {"runs"},
-    {"rotations", "filters", "recording", "results"},
+    {"runs", "results"},
+    {"rotations", "filters", "recording"},
     {"hinges", "quality", "readers"},
     set(DEVICES),
     {"simulation", "outcomes"},

@@ -171,7 +171,7 @@ FAULTS = {
     "header only": (lambda t: t[:0], "a header, but no rows"),
     "a time twice": (
         lambda t: at(t, 4, "time_s", 0.03),
-        r"time 0\.03 s stands twice \(samples 3 and 4\)",
+        r"time_s: 0\.03 s stands twice \(samples 3 and 4\)",
     ),
     "unsorted": (
         lambda t: pd.concat([t[6:], t[:6]]),

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
-from mobility_imu.recording import GAP_FACTOR, Imu
+from mobility_imu.frames import GAP_FACTOR, FloatArray
+from mobility_imu.recording import Imu
 
 LOWEST_RATE_HZ, HIGHEST_RATE_HZ = 1.0, 1e5
 """Between these lies the sampling rate of any IMU."""
