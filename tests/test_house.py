@@ -20,7 +20,7 @@ DEVICES = ("scooter", "wheelchair", "walker")
 # From the right of the architecture's chain to its left; a module may import what stands before it.
 LAYERS = (
     {"errors"},
-    {"frames", "data", "_compiled"},
+    {"frames", "data", "_compiled", "executors"},
     {"runs", "results"},
     {"rotations", "filters", "recording"},
     {"hinges", "quality", "readers"},
