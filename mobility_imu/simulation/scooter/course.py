@@ -1,0 +1,154 @@
+"""Courses for a mobility scooter: the five of Figure 5, and the ground under the wheels.
+
+Every size is an assumption of ours unless it says where it is from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy import interpolate, ndimage
+
+from mobility_imu.frames import FloatArray
+from mobility_imu.simulation.profiles import least_jerk
+
+
+def _deg(value: float) -> float:
+    return float(np.deg2rad(value))
+
+
+class Stretch(NamedTuple):
+    """A piece of a course.
+
+    Parameters
+    ----------
+    length_m : m
+    curvature_pm : 1/m, left positive
+    grade_rad : rad, uphill positive
+    bank_rad : rad, right side up positive
+    tactile : whether tactile paving lies on it
+    """
+
+    length_m: float
+    curvature_pm: float = 0.0
+    grade_rad: float = 0.0
+    bank_rad: float = 0.0
+    tactile: bool = False
+
+
+@dataclass(frozen=True)
+class Course:
+    """A named sequence of stretches; slopes change over transition_m."""
+
+    name: str
+    stretches: tuple[Stretch, ...]
+    transition_m: float = 0.8
+
+    @property
+    def length_m(self) -> float:
+        """Length along the path, m."""
+        return sum(stretch.length_m for stretch in self.stretches)
+
+
+_CURVE = 1 / 1.6
+
+# Figure 5 names lengths and angles; radii, run-ups and the order are ours, set by hand.
+COURSES = {
+    "straight": Course("straight", (Stretch(20.0),)),
+    "curves": Course(
+        "curves",
+        (
+            Stretch(2.0),
+            Stretch(np.pi / 2 / _CURVE, _CURVE),
+            Stretch(1.0),
+            Stretch(np.pi / 2 / _CURVE, -_CURVE),
+            Stretch(1.0),
+            Stretch(np.pi / 2 / _CURVE, -_CURVE),
+            Stretch(1.0),
+            Stretch(np.pi / 2 / _CURVE, _CURVE),
+            Stretch(2.0),
+        ),
+    ),
+    "slopes": Course(
+        "slopes",
+        (
+            Stretch(2.5),
+            Stretch(5.0, grade_rad=_deg(7)),
+            Stretch(2.5),
+            Stretch(7.0, grade_rad=_deg(-5)),
+            Stretch(2.5),
+        ),
+    ),
+    "side": Course("side", (Stretch(2.0), Stretch(9.0, bank_rad=_deg(7)), Stretch(2.0))),
+    "tactile": Course("tactile", (Stretch(2.0), Stretch(10.0, tactile=True), Stretch(2.0))),
+}
+"""The five courses of Figure 5 by name."""
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Unevenness that the wheels meet, after the tyres have smoothed it; all sizes set by hand.
+
+    Parameters
+    ----------
+    roughness_m : sd of the height under each wheel
+    roughness_length_m : shortest length of a bump
+    tactile_m : sd of the height on tactile paving, a sine
+    tactile_pitch_m : its length, drawn per run between these two (JIS T 9251: dots every 55 to
+        60 mm). Whether the scooter heaves or pitches on them depends on how many fit into the
+        wheelbase, which we do not know either; with one fixed length it would be an accident.
+    grade_sd_rad, bank_sd_rad : slope of a floor that is called flat, along and across the start,
+        drawn per run; it stays where it is when the scooter turns
+    """
+
+    roughness_m: float = 0.4e-3
+    roughness_length_m: float = 0.08
+    tactile_m: float = 0.2e-3
+    tactile_pitch_m: tuple[float, float] = (0.055, 0.060)
+    grade_sd_rad: float = _deg(0.3)
+    bank_sd_rad: float = _deg(0.6)
+
+
+SMOOTH_GROUND = Ground(0.0, 0.08, 0.0, (0.055, 0.060), 0.0, 0.0)
+
+
+def middle_line(course: Course) -> tuple[FloatArray, FloatArray]:
+    """Points along the course's middle line, every 2 cm, with a run-out."""
+    s = np.arange(0, course.length_m + 3, 0.02)
+    heading = np.cumsum(level_at(course, s, "curvature_pm", 0.0)) * 0.02
+    return s, np.cumsum(np.column_stack([-np.sin(heading), np.cos(heading)]) * 0.02, axis=0)
+
+
+def level_at(course: Course, distance: FloatArray, what: str, blend_m: float) -> FloatArray:
+    """Value of a stretch's property along the path; changes are S-shaped over blend_m."""
+    ends = np.cumsum([stretch.length_m for stretch in course.stretches])[:-1]
+    values = [float(getattr(stretch, what)) for stretch in course.stretches]
+    level = np.full(len(distance), values[0])
+    for end, step in zip(ends, np.diff(values), strict=True):
+        if blend_m == 0:
+            level += step * (distance >= end)
+        else:
+            u = np.clip((distance - end) / blend_m + 0.5, 0, 1)
+            level += least_jerk(u, step)
+    return level
+
+
+def ground_line(
+    course: Course,
+    wheelbase_m: float,
+    ground: Ground,
+    tactile_pitch_m: float,
+    rng: np.random.Generator,
+) -> Callable[[FloatArray], FloatArray]:
+    """Height along one wheel track, as the tyre follows it."""
+    grid = np.arange(-0.5, course.length_m + wheelbase_m + 4, 0.005)
+    rough = ndimage.gaussian_filter1d(
+        rng.standard_normal(len(grid)), ground.roughness_length_m / 2.5 / 0.005
+    )
+    rough *= ground.roughness_m / rough.std()
+    tactile = level_at(course, grid, "tactile", 0.2)
+    bumps = np.sqrt(2) * ground.tactile_m * np.sin(2 * np.pi * grid / tactile_pitch_m)
+    return interpolate.CubicSpline(grid, rough + tactile * bumps)

@@ -1,0 +1,45 @@
+"""The paper's truth: wire sensors at the controls, Hall pulses of a wheel, two clocks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mobility_imu._compiled import compiled
+from mobility_imu.frames import FloatArray
+from mobility_imu.simulation.scooter.driver import ScooterMotion
+from mobility_imu.simulation.scooter.parts import Reference
+
+
+def read_reference(
+    fast: ScooterMotion, reference: Reference, sampling_rate_hz: float, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Wire sensors on the second logger's clock, and the Hall pulses on both clocks."""
+    offset = reference.clock_offset_s * rng.standard_normal()
+    time_s = np.arange(fast.time_s[0], fast.time_s[-1], 1 / sampling_rate_hz)
+    wires = []
+    for angle, play in (
+        (fast.steering_rad, reference.steering_play_rad),
+        (fast.throttle_rad, reference.throttle_play_rad),
+    ):
+        wire = _with_play(np.interp(time_s, fast.time_s, angle), play) * reference.disk_radius_m
+        if reference.resolution_m > 0:
+            wire = np.round(wire / reference.resolution_m) * reference.resolution_m
+        wires.append(wire / reference.disk_radius_m)
+    between = 2 * np.pi * reference.wheel_radius_m / reference.wheel_magnets
+    first = between * (1 - rng.random())  # the wheel stands somewhere
+    marks = np.arange(first, fast.distance_m[-1], between)
+    pulses = np.interp(marks, fast.distance_m, fast.time_s)
+    # The logger sees a pulse at its next sample; the analyser of the bus stamps milliseconds.
+    seen = np.ceil((pulses + offset) * sampling_rate_hz) / sampling_rate_hz
+    return np.column_stack(wires), time_s + offset, np.round(pulses, 3), seen
+
+
+@compiled()
+def _with_play(angle, width):
+    """Backlash: the follower moves only when pushed."""
+    out = np.empty_like(angle)
+    follower = angle[0]
+    for k in range(len(angle)):
+        follower = min(max(follower, angle[k] - width / 2), angle[k] + width / 2)
+        out[k] = follower
+    return out

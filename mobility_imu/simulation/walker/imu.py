@@ -1,0 +1,122 @@
+"""What an IMU that is fixed to the frame records of a motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.recording import Recording
+from mobility_imu.simulation.sensor import MTI_1, SensorModel, measure
+from mobility_imu.simulation.walker.motion import FAST_HZ, StepTruth, TiltTruth, WalkerMotion
+from mobility_imu.walker.geometry import WalkerMount
+
+
+@dataclass(frozen=True)
+class SimulatedWalker:
+    """What an IMU on the frame recorded, and the truth when it took its samples.
+
+    Parameters
+    ----------
+    recording : Recording of ``frame``, on the IMU's clock
+    motion : WalkerMotion
+    mount : WalkerMount, the true one
+    time_s : (n,) array, s, when the samples were really taken
+    position_body_m : (n, 3) array, m, the body's origin in the world
+    rotation_body_to_world : (n, 3, 3) array
+    position_imu_m : (n, 3) array, m, in the world
+    velocity_imu_mps : (n, 3) array, m/s, in the world
+    rotation_imu_to_world : (n, 3, 3) array
+    stationary : (n,) bool array, as in :class:`WalkerMotion`
+    """
+
+    recording: Recording
+    motion: WalkerMotion
+    mount: WalkerMount
+    time_s: FloatArray
+    position_body_m: FloatArray
+    rotation_body_to_world: FloatArray
+    position_imu_m: FloatArray
+    velocity_imu_mps: FloatArray
+    rotation_imu_to_world: FloatArray
+    stationary: NDArray[np.bool_]
+
+    @property
+    def tilts(self) -> tuple[TiltTruth, ...]:
+        """Tilts of the motion."""
+        return self.motion.tilts
+
+    @property
+    def steps(self) -> tuple[StepTruth, ...]:
+        """Steps of the motion."""
+        return self.motion.steps
+
+
+def attach_imu(
+    motion: WalkerMotion,
+    mount: WalkerMount,
+    sensor: SensorModel = MTI_1,
+    *,
+    seed: int,
+    unit_seed: int,
+    sampling_rate_hz: float = 100.0,
+) -> SimulatedWalker:
+    """Record a motion by an IMU that is fixed to the frame.
+
+    Parameters
+    ----------
+    motion : WalkerMotion; what all its IMUs share is worked out once
+    mount : WalkerMount, where the IMU really is
+    sensor : SensorModel
+    seed : of this power-up: biases, noise
+    unit_seed : of this unit: scale factors, misalignments, clock
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    SimulatedWalker
+
+    Raises
+    ------
+    InputError
+        If the sensor loses samples, which no Recording allows.
+    """
+    axes, arm = mount.rotation_imu_to_body, mount.translation_body_m
+    force = motion.specific_force_mps2 + motion.arm_per_s2 @ arm
+    output = measure(
+        motion.time_s,
+        force @ axes,
+        motion.rate_radps @ axes,
+        sensor,
+        sampling_rate_hz=sampling_rate_hz,
+        seed=seed,
+        unit_seed=unit_seed,
+    )
+    recording = Recording(output.time_s, {"frame": output.imu}, source="simulated walker")
+    # Truth between two fast times: from the nearest one on, by rate and acceleration.
+    true = np.clip(output.true_time_s, motion.time_s[0], motion.time_s[-1])
+    near = np.round(true * FAST_HZ).astype(int)
+    ahead = (true - motion.time_s[near])[:, None]
+    standing, rate = motion.rotation_body_to_world[near], motion.rate_radps[near]
+    force_world = np.einsum("nij,nj->ni", standing, force[near])
+    force_world[:, 2] -= STANDARD_GRAVITY_MPS2
+    rotation = standing @ Rotation.from_rotvec(rate * ahead).as_matrix()
+    spin = np.einsum("nij,nj->ni", standing, np.cross(rate, arm))
+    velocity = motion.velocity_mps[near] + spin
+    imu = motion.position_m[near] + standing @ arm
+    imu = imu + velocity * ahead + force_world * ahead**2 / 2
+    return SimulatedWalker(
+        recording=recording,
+        motion=motion,
+        mount=mount,
+        time_s=true,
+        position_body_m=imu - rotation @ arm,
+        rotation_body_to_world=rotation,
+        position_imu_m=imu,
+        velocity_imu_mps=velocity + force_world * ahead,
+        rotation_imu_to_world=rotation @ axes,
+        stationary=motion.stationary[near],
+    )

@@ -1,0 +1,285 @@
+"""Walks with the frame along a course: lift it, put it down further on, follow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray
+from mobility_imu.simulation.profiles import hump, smooth, window
+from mobility_imu.simulation.walker.motion import (
+    PERFECT,
+    Imperfections,
+    StepTruth,
+    WalkerMotion,
+    band_noise,
+    check_ranges,
+    fast_clock,
+)
+
+
+def _deg(value: float) -> float:
+    return float(np.deg2rad(value))
+
+
+@dataclass(frozen=True)
+class WalkStyle:
+    """How somebody walks with the frame; each (low, high) is drawn from evenly, for each step.
+
+    All sizes are ours: about 0.13 m/s, a slow walk with a frame that is lifted.
+
+    Parameters
+    ----------
+    length_m : m, of a step; the last one before a corner or the end is shortened
+    lift_m : m, highest point of the rear tips
+    swing_s : s, from lifting to placing
+    pitch_rad : rad, front up by this while in the air
+    stance_s : s, from placing to lifting
+    turn_step_rad : rad, largest turn in one step
+    first_still_s, last_still_s : s, the frame stands before the first and after the last step
+    """
+
+    length_m: tuple[float, float] = (0.30, 0.40)
+    lift_m: tuple[float, float] = (0.03, 0.06)
+    swing_s: tuple[float, float] = (0.8, 1.2)
+    pitch_rad: tuple[float, float] = (_deg(3), _deg(8))
+    stance_s: tuple[float, float] = (1.2, 2.0)
+    turn_step_rad: float = _deg(30)
+    first_still_s: float = 3.0
+    last_still_s: float = 2.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is no range."""
+        check_ranges(self)
+        if self.pitch_rad[1] > np.pi / 4:
+            raise InputError(f"pitch_rad = {self.pitch_rad}: expected up to pi/4 (in deg?)")
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A piece of a course: go straight, then turn on the spot.
+
+    Parameters
+    ----------
+    length_m : m
+    turn_rad : rad, to the left positive
+    """
+
+    length_m: float
+    turn_rad: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse a negative length."""
+        if not (np.isfinite(self.length_m) and self.length_m >= 0):
+            raise InputError(f"length_m = {self.length_m}: expected a number that is not negative")
+        if not abs(self.turn_rad) <= 2 * np.pi:
+            raise InputError(f"turn_rad = {self.turn_rad}: expected within a full turn (in deg?)")
+
+
+CORRIDOR = (Leg(10.0),)
+"""The paper's first experiment (section 3), 10 m straight."""
+
+RECTANGLE = tuple(Leg(length, np.pi / 2) for length in (5.0, 3.75, 5.0, 3.75))
+"""The paper's second, 5 m by 3.75 m, here to the left, the last corner turned as well, so that the
+frame ends with its first heading. The paper does not say whether its walkers turned there."""
+
+RECTANGLE_OPEN = (*RECTANGLE[:-1], Leg(RECTANGLE[-1].length_m))
+"""The same without the turn at the last corner. The end is the start, the heading 90 deg short. By
+their directions 25 of the 30 rounds of Tables 3 and 4 ended so, if the end was corrected."""
+
+TIMED_UP_AND_GO = (Leg(3.0, np.pi), Leg(3.0, np.pi))
+"""Walking and turns of a Timed-Up and Go Test; the chair is not part of it."""
+
+OUT_AND_BACK_30 = (Leg(30.0, np.pi), Leg(30.0, np.pi))
+"""Up and down a 30 m hallway, as in a 6-Minute Walk Test (with ``duration_s=360``)."""
+
+
+def simulate_walk(
+    path: Sequence[Leg],
+    *,
+    seed: int,
+    style: WalkStyle | None = None,
+    imperfections: Imperfections = PERFECT,
+    duration_s: float | None = None,
+) -> WalkerMotion:
+    """Walk a course: lift the frame, put it down further on, follow, lift it again.
+
+    The frame turns about its body's origin, where the user's heels are; steps that turn do not
+    lead forward. With :data:`PERFECT` the course is kept and its end is met.
+
+    Parameters
+    ----------
+    path : of Leg
+    seed : of lengths, times and imperfections; the same seed gives the same bytes
+    style : WalkStyle, or None for its standard values
+    imperfections : Imperfections; those of tilting do not matter here
+    duration_s : s, the course is repeated, without a pause, for so long after the first still
+        period; the step that is being made then is finished. None for once through the course
+
+    Returns
+    -------
+    WalkerMotion
+
+    Raises
+    ------
+    InputError
+        If the path is empty or has no length, or the duration is not positive.
+    """
+    style = style or WalkStyle()
+    if not len(path) or not sum(leg.length_m for leg in path) > 0:
+        raise InputError("path: expected at least one leg with a length")
+    if duration_s is not None and not (np.isfinite(duration_s) and duration_s > 0):
+        raise InputError(f"duration_s = {duration_s}: expected a positive number")
+    rng = np.random.default_rng([seed, 32])
+    streams = (np.random.default_rng([seed, 32, k]) for k in range(1, 6))
+    rocks, creeps, misses, landings, rings = streams
+    plan = _plan(path, style, rng, duration_s)
+    count = len(plan.length_m)
+    aimed = np.cumsum(plan.length_m[:, None] * _ahead(plan.facing_rad), axis=0)
+    heading = np.cumsum(plan.turn_rad)
+    miss = imperfections.placement_sd_m * misses.standard_normal((count, 2))
+    ahead = _ahead(plan.facing_rad)
+    aside = np.column_stack([-ahead[:, 1], ahead[:, 0]])
+    placed = aimed + miss[:, :1] * ahead + miss[:, 1:] * aside
+    creep = imperfections.creep_sd_m * np.abs(creeps.standard_normal(count))
+    creep[-1] = 0  # nobody leans on the frame any more
+    left = placed + creep[:, None] * _ahead(heading)
+    start = np.vstack([np.zeros(2), left[:-1]])
+    lift, place = plan.lift_s, plan.lift_s + plan.swing_s
+    after = np.r_[lift[1:], np.inf]
+
+    time_s = fast_clock(place[-1] + style.last_still_s)
+    step = np.searchsorted(lift, time_s, side="right") - 1
+    begun = step >= 0
+    k = np.maximum(step, 0)
+    swing = np.where(begun, (time_s - lift[k]) / plan.swing_s[k], 0.0)
+    gone = smooth(swing)
+    air = hump(swing)
+    rest = np.where(begun & (after[k] < np.inf), (time_s - place[k]) / (after[k] - place[k]), 0.0)
+    position = np.zeros((len(time_s), 3))
+    position[:, :2] = start[k] + gone[:, None] * (placed - start)[k]
+    position[:, :2] += smooth(rest)[:, None] * (left - placed)[k]
+    position[:, 2] = plan.lift_m[k] * air
+    since = np.where(begun, time_s - place[k], -np.inf)
+    position += _landing(swing, since, plan.swing_s[k], k, count, imperfections, landings)
+    position += _ringing(since, k, count, imperfections, rings)
+    yaw = (heading - plan.turn_rad)[k] + plan.turn_rad[k] * gone
+    rotation = Rotation.from_euler("ZY", np.column_stack([yaw, -plan.pitch_rad[k] * air]))
+    rocking = imperfections.rocking_rad * band_noise(len(time_s), 2, (0.7, 1.4), rocks)
+    if imperfections.rocking_rad > 0:
+        standing = begun & (after[k] < np.inf) & (since > 0)
+        held = np.where(standing, window(time_s, place[k], after[k], 0.3), 0.0)
+        rocking = np.column_stack([rocking * held[:, None], np.zeros(len(time_s))])
+        rotation = rotation * Rotation.from_rotvec(rocking)
+    stop = imperfections.landing_stop_s if imperfections.landing_mps > 0 else 0.0
+    moved = np.linalg.norm(placed - start, axis=1)
+    steps = tuple(
+        StepTruth(*row) for row in np.column_stack([lift, place, moved, plan.turn_rad]).tolist()
+    )
+    return WalkerMotion(
+        time_s, position, rotation.as_matrix(), ~begun | (since >= stop), steps=steps
+    )
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """Steps as planned, one row each; facing is the heading before a step's turn."""
+
+    length_m: FloatArray
+    turn_rad: FloatArray
+    facing_rad: FloatArray
+    lift_s: FloatArray
+    swing_s: FloatArray
+    lift_m: FloatArray
+    pitch_rad: FloatArray
+
+
+def _plan(
+    path: Sequence[Leg], style: WalkStyle, rng: np.random.Generator, duration_s: float | None
+) -> _Plan:
+    rows: list[FloatArray] = []
+    clock = 0.0
+    while not rows or (duration_s is not None and clock < duration_s):
+        for leg in path:
+            lengths = _step_lengths(leg.length_m, style, rng)
+            turns = int(np.ceil(abs(leg.turn_rad) / style.turn_step_rad - 1e-9))
+            count = len(lengths) + turns
+            spans = [
+                rng.uniform(*span, count)
+                for span in (style.swing_s, style.stance_s, style.lift_m, style.pitch_rad)
+            ]
+            moves = np.zeros((2, count))
+            moves[0, : len(lengths)] = lengths
+            moves[1, len(lengths) :] = leg.turn_rad / max(turns, 1)
+            rows.append(np.vstack([moves, *spans]))
+            clock += float(spans[0].sum() + spans[1].sum())
+    length, turn, swing, stance, lift, pitch = np.hstack(rows)
+    lift_s = style.first_still_s + np.r_[0.0, np.cumsum(swing + stance)[:-1]]
+    facing = np.cumsum(turn) - turn
+    made = lift_s < style.first_still_s + (np.inf if duration_s is None else duration_s)
+    return _Plan(*(part[made] for part in (length, turn, facing, lift_s, swing, lift, pitch)))
+
+
+def _step_lengths(length_m: float, style: WalkStyle, rng: np.random.Generator) -> FloatArray:
+    """Steps that make up a straight; the last is what is left, shared if that is very little."""
+    drawn = rng.uniform(*style.length_m, int(np.ceil(length_m / style.length_m[0])) + 1)
+    if length_m == 0:
+        return drawn[:0]
+    count = int(np.searchsorted(np.cumsum(drawn), length_m - 1e-9)) + 1
+    lengths = drawn[:count]
+    lengths[-1] = length_m - lengths[:-1].sum()
+    if count > 1 and lengths[-1] < style.length_m[0] / 2:
+        lengths[-2:] = lengths[-2:].mean()
+    return lengths
+
+
+def _landing(
+    swing: FloatArray,
+    since_s: FloatArray,
+    swing_s: FloatArray,
+    k: NDArray[np.intp],
+    count: int,
+    imperfections: Imperfections,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Displacement (n, 3) that gives each touch-down a velocity and ends in the planned place."""
+    touch = imperfections.landing_mps * rng.standard_normal((count, 3))
+    touch[:, 2] = -np.abs(touch[:, 2])
+    if imperfections.landing_mps == 0:
+        return np.zeros((len(swing), 3))
+    stop = imperfections.landing_stop_s
+    u, w = np.clip(swing, 0, 1), np.clip(since_s / stop, 0, 1)
+    e = u - 1
+    # In the air: slope 1 at the end, where the value and two more derivatives are 0.
+    arriving = swing_s * u**4 * e * (1 - 4 * e + 10 * e**2) - stop / 2 * smooth(u)
+    stopping = stop * (w - w**4 * (2.5 - 3 * w + w**2))
+    return (arriving + stopping)[:, None] * touch[k]
+
+
+def _ringing(
+    since_s: FloatArray,
+    k: NDArray[np.intp],
+    count: int,
+    imperfections: Imperfections,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Displacement (n, 3) after each touch-down; it sets in within 20 ms."""
+    omega = 2 * np.pi * rng.uniform(*imperfections.landing_ringing_hz, count)
+    direction = rng.standard_normal((count, 3))
+    if imperfections.landing_ringing_mps2 == 0:
+        return np.zeros((len(since_s), 3))
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    size = imperfections.landing_ringing_mps2 / omega**2
+    since = np.maximum(since_s, 0.0)
+    decay = np.exp(-since / imperfections.landing_ringing_decay_s)
+    wave = size[k] * smooth(since / 0.02) * decay * np.sin(omega[k] * since)
+    return wave[:, None] * direction[k]
+
+
+def _ahead(heading_rad: FloatArray) -> FloatArray:
+    return np.column_stack([np.cos(heading_rad), np.sin(heading_rad)])

@@ -1,0 +1,204 @@
+"""Motion of a chair and the IMUs on its frame and wheels: rigid-body kinematics.
+
+Nothing of the estimators is used: positions, rates and forces follow from the chair's speed and yaw
+rate, and from its geometry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy import integrate
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.recording import Imu
+from mobility_imu.rotations import elementary_rotation
+from mobility_imu.simulation.profiles import least_jerk, least_jerk_bend, least_jerk_slope
+from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry, side_sign
+
+SIDES: tuple[Side, Side] = ("left", "right")
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A stretch of a drive with one speed and one yaw rate.
+
+    Parameters
+    ----------
+    task : task code 1-6 that is driven here (see ``mobility_imu.wheelchair.Task``)
+    duration_s : s
+    linear_velocity_mps : m/s, forward positive
+    yaw_rate_degps : deg/s, left positive
+    slope_deg : deg, the floor rises this much in the direction the chair faces; only
+        ``simulate_court`` drives on slopes
+    """
+
+    task: int
+    duration_s: float
+    linear_velocity_mps: float = 0.0
+    yaw_rate_degps: float = 0.0
+    slope_deg: float = 0.0
+
+
+@dataclass(frozen=True)
+class Mounting:
+    """How one IMU sits on its body.
+
+    Parameters
+    ----------
+    rotation_body_to_imu : (3, 3) array
+    position_m : (3,) array, m, in the body's frame (wheel: from its centre)
+    """
+
+    rotation_body_to_imu: FloatArray
+    position_m: FloatArray
+
+
+def random_mounting(seed: int) -> dict[str, Mounting]:
+    """Give the three IMUs any orientation, and places as on a real chair.
+
+    Parameters
+    ----------
+    seed : the same seed gives the same mounting
+    """
+    rng = np.random.default_rng(seed)
+    places = {
+        "frame": (0.10, 0.05, 0.40),
+        "left_wheel": (0.04, 0.02, 0.03),
+        "right_wheel": (-0.03, 0.05, 0.03),
+    }
+    return {
+        name: Mounting(Rotation.random(rng=rng).as_matrix(), np.array(place))
+        for name, place in places.items()
+    }
+
+
+def check_legs(legs: Sequence[Leg], transition_s: float) -> None:
+    for leg in legs:
+        if leg.duration_s < transition_s:
+            raise InputError(
+                f"leg of {leg.duration_s} s is shorter than a change of {transition_s} s"
+            )
+
+
+def stepped(
+    values: Sequence[float], ends: FloatArray, time_s: FloatArray, transition_s: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Levels with minimum-jerk changes centred on the ends, and its first two derivatives."""
+    level = np.full(len(time_s), float(values[0]))
+    slope, bend = np.zeros(len(time_s)), np.zeros(len(time_s))
+    for end, step in zip(ends, np.diff(values), strict=True):
+        u = np.clip((time_s - end) / transition_s + 0.5, 0, 1)
+        level += least_jerk(u, step)
+        slope += least_jerk_slope(u, step) / transition_s
+        bend += least_jerk_bend(u, step) / transition_s**2
+    return level, slope, bend
+
+
+class ChairMotion(NamedTuple):
+    """The chair's motion in its own frame; the origin is midway between the contacts.
+
+    Parameters
+    ----------
+    velocity, acceleration, yaw, yaw_change : (n,) arrays, along x and about z
+    rate, rate_change : (n, 3) arrays, rad/s and rad/s²
+    force : (n, 3) array, m/s², specific force at the origin
+    """
+
+    velocity: FloatArray
+    acceleration: FloatArray
+    yaw: FloatArray
+    yaw_change: FloatArray
+    rate: FloatArray
+    rate_change: FloatArray
+    force: FloatArray
+
+
+def sloping(
+    velocity: FloatArray,
+    acceleration: FloatArray,
+    yaw: FloatArray,
+    yaw_change: FloatArray,
+    pitch: tuple[FloatArray, FloatArray, FloatArray],
+) -> ChairMotion:
+    """Motion with the nose raised by a pitch (with its two derivatives), the axle level."""
+    angle, angle_change, angle_bend = pitch
+    # Heading about the vertical, then pitch: the chair's x shares in the heading's rate.
+    roll = yaw * np.tan(angle)
+    roll_change = yaw_change * np.tan(angle) + yaw * angle_change / np.cos(angle) ** 2
+    gravity = STANDARD_GRAVITY_MPS2
+    return ChairMotion(
+        velocity,
+        acceleration,
+        yaw,
+        yaw_change,
+        rate=np.column_stack([roll, -angle_change, yaw]),
+        rate_change=np.column_stack([roll_change, -angle_bend, yaw_change]),
+        force=np.column_stack(
+            [
+                acceleration + gravity * np.sin(angle),
+                velocity * yaw,
+                velocity * angle_change + gravity * np.cos(angle),
+            ]
+        ),
+    )
+
+
+def frame_imu(motion: ChairMotion, mounting: Mounting) -> Imu:
+    place = np.broadcast_to(mounting.position_m, motion.rate.shape)
+    still = np.zeros_like(place)
+    turn = mounting.rotation_body_to_imu.T
+    return Imu(_specific_force(motion, place, still, still) @ turn, motion.rate @ turn)
+
+
+def wheel_imu(
+    time_s: FloatArray,
+    motion: ChairMotion,
+    geometry: WheelchairGeometry,
+    side: Side,
+    mounting: Mounting,
+    *,
+    toe_rad: float = 0.0,
+    slip_mps: FloatArray | float = 0.0,
+    slip_change_mps2: FloatArray | float = 0.0,
+) -> Imu:
+    sign = side_sign(side)
+    contact = np.array([0.0, sign * geometry.track_m / 2, 0.0])
+    radius = getattr(geometry.wheel_radius_m, side)
+    # The contact travels as the chair does at its lateral place; a wheel that toes in rolls as
+    # far as the travel goes along its plane, and scrubs sideways. Slip comes on top.
+    along = np.cos(toe_rad)
+    travel = motion.velocity - motion.yaw * contact[1]
+    travel_change = motion.acceleration - motion.yaw_change * contact[1]
+    spin = (travel * along + slip_mps) / radius
+    spin_change = (travel_change * along + slip_change_mps2) / radius
+    angle = integrate.cumulative_trapezoid(spin, time_s, initial=0)
+    toed = elementary_rotation("z", -sign * toe_rad)
+    axle = toed @ geometry.axle_direction(side)
+    ahead = toed @ np.array([1.0, 0.0, 0.0])
+    centre = contact + toed @ (geometry.wheel_centre(side) - contact)
+    base = np.column_stack([ahead, np.cross(axle, ahead), axle])  # wheel to chair at angle 0
+    turned = base @ elementary_rotation("z", angle)
+    arm = turned @ mounting.position_m
+    swing = spin[:, None] * np.cross(axle, arm)
+    swing_change = spin_change[:, None] * np.cross(axle, arm) + spin[:, None] * np.cross(
+        axle, swing
+    )
+    acc = _specific_force(motion, centre + arm, swing, swing_change)
+    rate = spin[:, None] * axle + motion.rate
+    to_imu = mounting.rotation_body_to_imu @ np.swapaxes(turned, 1, 2)
+    return Imu(np.einsum("nij,nj->ni", to_imu, acc), np.einsum("nij,nj->ni", to_imu, rate))
+
+
+def _specific_force(
+    motion: ChairMotion, place: FloatArray, drift: FloatArray, drift_change: FloatArray
+) -> FloatArray:
+    """Specific force at a place that moves in the chair's frame; chair components, (n, 3)."""
+    around = np.cross(motion.rate, place)
+    carried = np.cross(motion.rate_change, place) + np.cross(motion.rate, around)
+    return carried + 2 * np.cross(motion.rate, drift) + drift_change + motion.force

@@ -1,0 +1,141 @@
+"""How a user pushes, coasts and brakes, and how a wheel slips."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray
+from mobility_imu.simulation.profiles import cosine_ramp, cosine_ramp_integral
+from mobility_imu.simulation.wheelchair.chair import Leg
+from mobility_imu.wheelchair.geometry import Side, side_sign
+
+
+@dataclass(frozen=True)
+class Pushing:
+    """How a user drives: velocity cycles of a push and a stretch of coasting.
+
+    Parameters
+    ----------
+    push_s : s, hands on the rim; acceleration rises and falls as a squared sine
+    cycle_s : s, from one push onset to the next
+    strongest_mps2 : m/s², mean acceleration of the strongest push
+    coasting_mps2 : m/s², deceleration by rolling resistance (1.5 % of gravity on a court)
+    braking_mps2 : m/s², mean deceleration of a brake
+    """
+
+    push_s: float = 0.35
+    cycle_s: float = 1.0
+    strongest_mps2: float = 2.5
+    coasting_mps2: float = 0.15
+    braking_mps2: float = 2.0
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be."""
+        for name, value in vars(self).items():
+            if not (np.isfinite(value) and value > 0):
+                raise InputError(f"{name} = {value}: expected a positive number")
+        if self.push_s >= self.cycle_s:
+            raise InputError(f"push_s = {self.push_s}: expected less than cycle_s = {self.cycle_s}")
+
+
+@dataclass(frozen=True)
+class SlipEpisode:
+    """A stretch in which one wheel does not roll.
+
+    Parameters
+    ----------
+    side : "left" or "right"
+    start_s, duration_s : s
+    peak_mps : m/s, how much faster than rolling the wheel's rim runs at the most: positive when
+        it spins on a forward push, negative when it skids on a brake
+    rise_s : s, of the squared-sine edges; half the duration if that is shorter
+    """
+
+    side: Side
+    start_s: float
+    duration_s: float
+    peak_mps: float
+    rise_s: float = 0.15
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be."""
+        side_sign(self.side)
+        for name in ("duration_s", "rise_s"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"{name} = {getattr(self, name)}: expected a positive number")
+
+    def profile(self, time_s: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Give the rim's excess speed, m/s, and its change, m/s²."""
+        rise = min(self.rise_s, self.duration_s / 2)
+        since, left = time_s - self.start_s, self.start_s + self.duration_s - time_s
+        u = np.clip(np.minimum(since, left) / rise, 0, 1)
+        falling = np.where(since < left, 1.0, -1.0)
+        edge = np.pi / 2 * np.sin(np.pi * u) / rise * falling
+        return self.peak_mps * np.sin(np.pi / 2 * u) ** 2, self.peak_mps * edge
+
+
+def pushed(
+    legs: Sequence[Leg], pushing: Pushing, time_s: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Speed, acceleration and push onsets of a drive in velocity cycles."""
+    velocity, acceleration = np.zeros(len(time_s)), np.zeros(len(time_s))
+    onsets: list[float] = []
+    speed, start = 0.0, 0.0
+
+    def bump(begin: float, duration: float, gain: float) -> None:
+        nonlocal speed
+        u = np.clip((time_s - begin) / duration, 0, 1)
+        velocity[:] += gain * (u - np.sin(2 * np.pi * u) / (2 * np.pi))
+        acceleration[:] += gain / duration * (1 - np.cos(2 * np.pi * u))
+        speed += gain
+
+    def coast(begin: float, duration: float) -> None:
+        """Rolling resistance; it cannot turn the motion round."""
+        nonlocal speed
+        if duration <= 0 or speed == 0:
+            return
+        loss = -np.sign(speed) * min(pushing.coasting_mps2 * duration, abs(speed))
+        # Ramps in and out, so that the acceleration stays continuous.
+        edge = min(0.1, duration / 3)
+        rise, fall = (time_s - begin) / edge, (time_s - begin - duration + edge) / edge
+        rate = loss / (duration - edge)
+        acceleration[:] += rate * (cosine_ramp(rise) - cosine_ramp(fall))
+        velocity[:] += rate * edge * (cosine_ramp_integral(rise) - cosine_ramp_integral(fall))
+        speed += loss
+
+    for leg, following in zip(legs, [*legs[1:], None], strict=True):
+        target, end = leg.linear_velocity_mps, start + leg.duration_s
+        now = start
+        if target == 0 and speed != 0:
+            raise InputError(
+                f"leg at {start:g} s: the chair still rolls at {speed:.2f} m/s, expected a rest; "
+                "the leg before is too short to brake"
+            )
+        # Braking into a rest, or before going the other way, belongs to this leg.
+        stops = following is None or following.linear_velocity_mps * target <= 0
+        brake_s = max(2 * abs(target) / pushing.braking_mps2, 0.3) if stops and target else 0.0
+        if target * np.sign(speed) < abs(speed) - 0.3 and speed != 0:
+            slower = target - speed
+            bump(now, max(abs(slower) / pushing.braking_mps2, 0.3), slower)
+            now += max(abs(slower) / pushing.braking_mps2, 0.3)
+        while target and now + pushing.push_s <= end - brake_s + 1e-9:
+            until = min(now + pushing.cycle_s, end - brake_s)
+            # Half of what the coasting will take on top of the target.
+            wanted = abs(target) + pushing.coasting_mps2 * (until - now - pushing.push_s) / 2
+            gain = min(wanted - abs(speed), pushing.strongest_mps2 * pushing.push_s)
+            if gain > 0:
+                onsets.append(now)
+                bump(now, pushing.push_s, np.sign(target) * gain)
+            coast(now + pushing.push_s, until - now - pushing.push_s)
+            now = until
+        if target:
+            coast(now, end - brake_s - now)
+            if brake_s and speed:
+                bump(end - brake_s, brake_s, -speed)
+                speed = 0.0
+        start = end
+    return velocity, acceleration, np.array(onsets)
