@@ -39,7 +39,7 @@ from mobility_imu.reproduction.scooter.table1_model import (
 )
 from mobility_imu.scooter import SUZUKI_ET4D
 from mobility_imu.scooter.driving import clipped_angles
-from mobility_imu.simulation.scooter import COURSES, Reference, _with_play, simulate_parked
+from mobility_imu.simulation.scooter import COURSES, Reference, simulate_parked, with_play
 from mobility_imu.simulation.sensor import IDEAL
 
 TINY = Sampling(runs=1, walkers=48, steps=300, burn_in=100, particles=96, mode_starts=2)
@@ -114,7 +114,7 @@ def test_play_gives_the_reading_noise_that_it_came_from():
     wires = prediction.reference_of(given, Reference())
     turn = np.deg2rad(np.concatenate([np.linspace(-30, 30, 600), np.linspace(30, -30, 600)]))
     for width, noise in ((wires.steering_play_rad, 0.7), (wires.throttle_play_rad, 0.4)):
-        behind = np.rad2deg(_with_play(turn, width) - turn)
+        behind = np.rad2deg(with_play(turn, width) - turn)
         settled = np.r_[100:600, 700:1200]
         assert np.sqrt((behind[settled] ** 2).mean()) == pytest.approx(noise, rel=1e-6)
     assert wires.disk_radius_m == Reference().disk_radius_m

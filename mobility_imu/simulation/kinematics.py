@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 
 
 def second_derivative(values: FloatArray, dt: float) -> FloatArray:
@@ -19,7 +20,7 @@ def second_derivative(values: FloatArray, dt: float) -> FloatArray:
 
     Returns
     -------
-    (n, ...) array, per s²; the first and the last repeat their neighbours
+    (n, ...) array, per s²; the first and the last repeat their neighbours; three times at least
 
     Examples
     --------
@@ -35,23 +36,34 @@ def angular_rates(axes: FloatArray, dt: float) -> FloatArray:
 
     Parameters
     ----------
-    axes : (n, 3, 3) array, sensor to world, at even times; turns of under 90 deg per step
+    axes : (n, 3, 3) array, sensor to world, at even times; turns of under 180 deg per step
     dt : s, between them
 
     Returns
     -------
     (n, 3) array, rad/s
     """
-    step = np.swapaxes(axes[:-1], 1, 2) @ axes[1:]
-    # Rodrigues: the skew part of a rotation matrix is sin(angle) times its axis.
-    skew = np.stack(
-        [
-            step[:, 2, 1] - step[:, 1, 2],
-            step[:, 0, 2] - step[:, 2, 0],
-            step[:, 1, 0] - step[:, 0, 1],
-        ],
-        axis=1,
-    )
-    sine = np.linalg.norm(skew, axis=1, keepdims=True) / 2
-    turns = skew / 2 / np.sinc(np.arcsin(np.minimum(sine, 1)) / np.pi) / dt
+    steps = Rotation.from_matrix(np.swapaxes(axes[:-1], 1, 2) @ axes[1:])
+    turns = steps.as_rotvec() / dt
     return np.concatenate([turns[:1], (turns[1:] + turns[:-1]) / 2, turns[-1:]])
+
+
+def felt_by_imu(
+    position_m: FloatArray, rotation_imu_to_world: FloatArray, dt: float
+) -> tuple[FloatArray, FloatArray]:
+    """Specific force and rate that an ideal IMU measures on its path.
+
+    Parameters
+    ----------
+    position_m : (n, 3) array, m, the IMU in the world, z up, at even times
+    rotation_imu_to_world : (n, 3, 3) array
+    dt : s, between the times
+
+    Returns
+    -------
+    (n, 3) array, m/s², and (n, 3) array, rad/s, both in the IMU's axes
+    """
+    force = second_derivative(position_m, dt)
+    force[:, 2] += STANDARD_GRAVITY_MPS2
+    acc = np.einsum("nij,ni->nj", rotation_imu_to_world, force)
+    return acc, angular_rates(rotation_imu_to_world, dt)

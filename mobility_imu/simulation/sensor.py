@@ -9,15 +9,37 @@ one power-up (biases) are drawn from two seeds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import signal
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_series, as_vectors
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_clock,
+    as_count,
+    as_number,
+    as_vectors,
+    check_positive,
+)
 from mobility_imu.recording import Imu
+from mobility_imu.results import Result
+from mobility_imu.simulation.seeds import stream
+
+__all__ = [
+    "IDEAL",
+    "LPMS_CU2",
+    "MTI_1",
+    "SensorModel",
+    "SensorNoise",
+    "SensorOutput",
+    "Triad",
+    "measure",
+    "without",
+]
 
 
 @dataclass(frozen=True)
@@ -48,10 +70,15 @@ class Triad:
     bandwidth_hz: float = np.inf
 
     def __post_init__(self) -> None:
-        """Refuse negative sizes."""
-        for name, value in vars(self).items():
-            if np.isnan(value) or value < 0:
-                raise InputError(f"{name} = {value}: expected a number that is not negative")
+        """Check every size."""
+        for field in fields(self):
+            name, value = field.name, getattr(self, field.name)
+            endless = name in ("bias_time_s", "full_scale", "bandwidth_hz")
+            if name == "bits":
+                as_count(value, name, least=0)
+            else:
+                number = as_number(value, name, zero=not endless, infinite=endless)
+                object.__setattr__(self, name, number)
         if self.bits and not np.isfinite(self.full_scale):
             raise InputError(f"bits = {self.bits}: rounding needs a finite full_scale")
 
@@ -77,13 +104,62 @@ class SensorModel:
     dropped_share: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be."""
-        for name in ("g_sensitivity_sd", "clock_rate_sd", "clock_jitter_s"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value >= 0):
-                raise InputError(f"{name} = {value}: expected a number that is not negative")
-        if not 0 <= self.dropped_share < 1:
+        """Check both triads, the coupling and the clock."""
+        for name in ("acc", "gyr"):
+            if not isinstance(getattr(self, name), Triad):
+                raise InputError(f"{name} = {getattr(self, name)!r:.60}: expected a Triad")
+        sizes = ("g_sensitivity_sd", "clock_rate_sd", "clock_jitter_s", "dropped_share")
+        check_positive(self, *sizes, allow_zero=sizes)
+        if self.dropped_share >= 1:
             raise InputError(f"dropped_share = {self.dropped_share}: expected from 0 to below 1")
+
+
+@dataclass(frozen=True)
+class SensorNoise:
+    """White noise and constant biases alone, the same on every axis, per sample.
+
+    A :class:`SensorModel` states a noise density, so that its samples become noisier with the
+    sampling rate. These sizes are what one sample has at any rate, as they are read from a
+    recording at rest. :func:`mobility_imu.simulation.wheelchair.simulate_drive` adds them to exact
+    samples; the bundled recordings were made that way.
+
+    Parameters
+    ----------
+    acc_sd_mps2, gyr_sd_radps : m/s² and rad/s, standard deviation of each sample
+    acc_bias_sd_mps2, gyr_bias_sd_radps : m/s² and rad/s, standard deviation of the bias, drawn per
+        sensor and axis
+    """
+
+    acc_sd_mps2: float = 0.0
+    gyr_sd_radps: float = 0.0
+    acc_bias_sd_mps2: float = 0.0
+    gyr_bias_sd_radps: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check every size."""
+        check_positive(self, allow_zero=[field.name for field in fields(self)])
+
+    def added_to(self, imu: Imu, rng: np.random.Generator) -> Imu:
+        """Readings with these errors.
+
+        Parameters
+        ----------
+        imu : Imu with a gyroscope
+        rng : the source of the draws
+
+        Returns
+        -------
+        Imu
+        """
+        if imu.gyr_radps is None:
+            raise InputError("imu: it has no gyroscope, expected rates to add noise to")
+        shape = imu.acc_mps2.shape
+        acc_bias = self.acc_bias_sd_mps2 * rng.standard_normal(3)
+        gyr_bias = self.gyr_bias_sd_radps * rng.standard_normal(3)
+        return Imu(
+            imu.acc_mps2 + acc_bias + self.acc_sd_mps2 * rng.standard_normal(shape),
+            imu.gyr_radps + gyr_bias + self.gyr_sd_radps * rng.standard_normal(shape),
+        )
 
 
 IDEAL = SensorModel()
@@ -150,8 +226,8 @@ LPMS_CU2 = SensorModel(
 )
 
 
-@dataclass(frozen=True)
-class SensorOutput:
+@dataclass(frozen=True, eq=False, repr=False)
+class SensorOutput(Result):
     """What the sensor delivered.
 
     Parameters
@@ -176,7 +252,7 @@ def measure(
     seed: int,
     unit_seed: int,
 ) -> SensorOutput:
-    """Make an IMU's readings from a true motion.
+    """Readings that an IMU makes of a true motion.
 
     Parameters
     ----------
@@ -195,25 +271,24 @@ def measure(
     Raises
     ------
     InputError
-        If the shapes differ, or the output is to be faster than the input.
+        If the shapes differ, a value is not finite, the times are not even, the output is to be
+        faster than the input, or a seed is negative or not whole.
     """
-    clock = as_series(time_s, "time_s")
-    acc, gyr = as_vectors(acc_mps2, "acc_mps2"), as_vectors(gyr_radps, "gyr_radps")
-    if not acc.shape == gyr.shape == (len(clock), 3):
-        raise InputError(
-            f"time_s, acc_mps2, gyr_radps: shapes {clock.shape}, {acc.shape}, {gyr.shape} differ"
-        )
+    clock = as_clock(time_s)
+    acc = as_vectors(acc_mps2, "acc_mps2", length=len(clock), finite=True)
+    gyr = as_vectors(gyr_radps, "gyr_radps", length=len(clock), finite=True)
     step = np.diff(clock)
-    if len(clock) < 2 or not (step > 0).all() or np.ptp(step) > 1e-3 * step.mean():
-        raise InputError("time_s: expected at least two times, in even steps")
+    if np.ptp(step) > 1e-3 * step.mean():
+        raise InputError(
+            f"time_s: steps from {step.min():g} to {step.max():g} s, expected even steps"
+        )
     fast_hz = (len(clock) - 1) / (clock[-1] - clock[0])
-    if not sampling_rate_hz > 0:
-        raise InputError(f"sampling_rate_hz = {sampling_rate_hz}: expected a positive number")
+    sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
     if sampling_rate_hz > fast_hz * (1 + 1e-9):
         raise InputError(
             f"sampling_rate_hz = {sampling_rate_hz:g}: faster than the {fast_hz:g} Hz of the input"
         )
-    unit, run = np.random.default_rng([unit_seed, 1]), np.random.default_rng([seed, 2])
+    unit, run = stream(unit_seed, 1, name="unit_seed"), stream(seed, 2)
     rate = 1 + model.clock_rate_sd * unit.standard_normal()
     count = int(np.floor((clock[-1] - clock[0]) * sampling_rate_hz * (1 + 1e-12))) + 1
     stated = clock[0] + np.arange(count) / sampling_rate_hz
@@ -234,12 +309,21 @@ def measure(
 
 
 def without(model: SensorModel, *names: str) -> SensorModel:
-    """Give the model with some of its errors switched off, for an ablation.
+    """Model with some of its errors switched off, for an ablation.
 
     Parameters
     ----------
     model : SensorModel
     names : fields of SensorModel, or of both triads
+
+    Returns
+    -------
+    SensorModel
+
+    Raises
+    ------
+    InputError
+        If a name is not an error of the model.
 
     Examples
     --------
@@ -265,7 +349,7 @@ def _low_pass(values: FloatArray, corner_hz: float, sampling_rate_hz: float) -> 
         return values
     sections = signal.butter(2, corner_hz, fs=sampling_rate_hz, output="sos")
     start = signal.sosfilt_zi(sections)[:, :, None] * values[0]
-    return signal.sosfilt(sections, values, axis=0, zi=start)[0]
+    return np.asarray(signal.sosfilt(sections, values, axis=0, zi=start)[0])
 
 
 def _read(
@@ -294,4 +378,4 @@ def _read(
     if triad.bits:
         step = 2 * triad.full_scale / 2**triad.bits
         reading = np.round(reading / step) * step
-    return reading
+    return np.asarray(reading)

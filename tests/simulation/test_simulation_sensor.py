@@ -263,13 +263,13 @@ def test_impossible_sensor_is_refused(make, words):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda t, a, g: ((t, a[:-1], g), RATE_HZ), "shapes"),
+        (lambda t, a, g: ((t, a[:-1], g), RATE_HZ), "acc_mps2: expected shape"),
         (lambda t, a, g: ((t, a, g[:, :2]), RATE_HZ), "gyr_radps"),
         (lambda t, a, g: ((t, a, g), 200.0), "faster than the 100 Hz"),
         (lambda t, a, g: ((t, a, g), 0.0), "sampling_rate_hz = 0"),
-        (lambda t, a, g: ((t[::-1], a, g), RATE_HZ), "even steps"),
+        (lambda t, a, g: ((t[::-1], a, g), RATE_HZ), "runs backwards"),
         (lambda t, a, g: ((t**1.5, a, g), RATE_HZ), "even steps"),
-        (lambda t, a, g: ((t[:1], a[:1], g[:1]), RATE_HZ), "at least two"),
+        (lambda t, a, g: ((t[:1], a[:1], g[:1]), RATE_HZ), "expected at least 2"),
     ],
 )
 def test_impossible_motion_is_refused(change, words):

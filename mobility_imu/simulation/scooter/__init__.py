@@ -15,8 +15,13 @@ from mobility_imu.simulation.scooter.driver import (
     Driver,
     draw_driver,
 )
-from mobility_imu.simulation.scooter.parked import simulate_parked
+from mobility_imu.simulation.scooter.parked import (
+    PARKED_POSES_DEG,
+    PARKED_POSES_RAD,
+    simulate_parked,
+)
 from mobility_imu.simulation.scooter.parts import (
+    FAST_HZ,
     NO_SHAKING,
     PERFECT_REFERENCE,
     Layout,
@@ -25,8 +30,8 @@ from mobility_imu.simulation.scooter.parts import (
     Shaking,
     draw_scooter,
 )
-from mobility_imu.simulation.scooter.reference import _with_play as _with_play
-from mobility_imu.simulation.scooter.ride import FAST_HZ, SimulatedRide, simulate_ride
+from mobility_imu.simulation.scooter.reference import with_play
+from mobility_imu.simulation.scooter.ride import SimulatedRide, simulate_ride
 
 __all__ = [
     "COURSES",
@@ -35,6 +40,8 @@ __all__ = [
     "LARGEST_STEERING_RAD",
     "LARGEST_THROTTLE_RAD",
     "NO_SHAKING",
+    "PARKED_POSES_DEG",
+    "PARKED_POSES_RAD",
     "PERFECT_REFERENCE",
     "SMOOTH_GROUND",
     "SPEED_LIMIT_MPS",
@@ -51,4 +58,5 @@ __all__ = [
     "draw_scooter",
     "simulate_parked",
     "simulate_ride",
+    "with_play",
 ]

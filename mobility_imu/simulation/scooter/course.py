@@ -12,7 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy import interpolate, ndimage
 
-from mobility_imu.frames import FloatArray
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_count, as_number, check_positive
+from mobility_imu.simulation.checks import check_range
 from mobility_imu.simulation.profiles import least_jerk
 
 
@@ -41,16 +43,72 @@ class Stretch(NamedTuple):
 
 @dataclass(frozen=True)
 class Course:
-    """A named sequence of stretches; slopes change over transition_m."""
+    """A named sequence of stretches.
+
+    Parameters
+    ----------
+    name : str
+    stretches : of Stretch, at least one
+    transition_m : m, slopes change over this length
+
+    Raises
+    ------
+    InputError
+        If there is no stretch, or a length or a slope is impossible; the message says which.
+    """
 
     name: str
     stretches: tuple[Stretch, ...]
     transition_m: float = 0.8
 
+    def __post_init__(self) -> None:
+        """Check every stretch."""
+        object.__setattr__(self, "stretches", tuple(self.stretches))
+        check_positive(self, "transition_m", allow_zero=("transition_m",))
+        if not self.stretches:
+            raise InputError("stretches: none, expected at least one Stretch")
+        for k, stretch in enumerate(self.stretches):
+            where = f"stretches[{k}]"
+            if not isinstance(stretch, Stretch):
+                raise InputError(f"{where} = {stretch!r:.60}: expected a Stretch")
+            as_number(stretch.length_m, f"{where}.length_m")
+            as_number(stretch.curvature_pm, f"{where}.curvature_pm", negative=True)
+            for what in ("grade_rad", "bank_rad"):
+                slope = as_number(getattr(stretch, what), f"{where}.{what}", negative=True)
+                if abs(slope) > np.pi / 4:
+                    raise InputError(f"{where}.{what} = {slope:g}: expected up to pi/4 (in deg?)")
+
     @property
     def length_m(self) -> float:
         """Length along the path, m."""
         return sum(stretch.length_m for stretch in self.stretches)
+
+    def outline(self, points: int = 60) -> tuple[FloatArray, ...]:
+        """Middle line of the course as it is drawn, without run-out and transitions.
+
+        Parameters
+        ----------
+        points : number of points of each stretch
+
+        Returns
+        -------
+        one (points, 3) array for each stretch, m: x right, y forward, z up from the start; a
+        stretch begins where the one before ends
+        """
+        points = as_count(points, "points", least=2)
+        start, heading, lines = np.zeros(3), 0.0, []
+        for stretch in self.stretches:
+            along = np.linspace(0, stretch.length_m, points)
+            turn = stretch.curvature_pm * along
+            # Chord of an arc: its length, and half of the turn as its direction.
+            chord = along * np.sinc(turn / 2 / np.pi) * np.cos(stretch.grade_rad)
+            towards = heading + turn / 2
+            height = along * np.sin(stretch.grade_rad)
+            lines.append(
+                start + np.column_stack([-chord * np.sin(towards), chord * np.cos(towards), height])
+            )
+            start, heading = lines[-1][-1], heading + turn[-1]
+        return tuple(lines)
 
 
 _CURVE = 1 / 1.6
@@ -111,19 +169,46 @@ class Ground:
     grade_sd_rad: float = _deg(0.3)
     bank_sd_rad: float = _deg(0.6)
 
+    def __post_init__(self) -> None:
+        """Check every size."""
+        sizes = ("roughness_m", "tactile_m", "grade_sd_rad", "bank_sd_rad")
+        check_positive(self, "roughness_length_m", *sizes, allow_zero=sizes)
+        check_range(self.tactile_pitch_m, "Ground.tactile_pitch_m")
+
 
 SMOOTH_GROUND = Ground(0.0, 0.08, 0.0, (0.055, 0.060), 0.0, 0.0)
 
 
 def middle_line(course: Course) -> tuple[FloatArray, FloatArray]:
-    """Points along the course's middle line, every 2 cm, with a run-out."""
+    """Points along the course's middle line, every 2 cm, with a run-out.
+
+    Parameters
+    ----------
+    course : Course
+
+    Returns
+    -------
+    (n,) array, m, distance along the line, and (n, 2) array, m, x right and y forward
+    """
     s = np.arange(0, course.length_m + 3, 0.02)
     heading = np.cumsum(level_at(course, s, "curvature_pm", 0.0)) * 0.02
     return s, np.cumsum(np.column_stack([-np.sin(heading), np.cos(heading)]) * 0.02, axis=0)
 
 
 def level_at(course: Course, distance: FloatArray, what: str, blend_m: float) -> FloatArray:
-    """Value of a stretch's property along the path; changes are S-shaped over blend_m."""
+    """Value of a stretch's property along the path; changes are S-shaped over blend_m.
+
+    Parameters
+    ----------
+    course : Course
+    distance : (n,) array, m, along the path
+    what : field of Stretch
+    blend_m : m, length of a change; 0 for jumps
+
+    Returns
+    -------
+    (n,) array
+    """
     ends = np.cumsum([stretch.length_m for stretch in course.stretches])[:-1]
     values = [float(getattr(stretch, what)) for stretch in course.stretches]
     level = np.full(len(distance), values[0])
@@ -143,7 +228,20 @@ def ground_line(
     tactile_pitch_m: float,
     rng: np.random.Generator,
 ) -> Callable[[FloatArray], FloatArray]:
-    """Height along one wheel track, as the tyre follows it."""
+    """Height along one wheel track, as the tyre follows it.
+
+    Parameters
+    ----------
+    course : Course
+    wheelbase_m : m
+    ground : Ground
+    tactile_pitch_m : m, of the tactile paving
+    rng : the source of the draws
+
+    Returns
+    -------
+    function of the distance along the path, m, that returns heights, m
+    """
     grid = np.arange(-0.5, course.length_m + wheelbase_m + 4, 0.005)
     rough = ndimage.gaussian_filter1d(
         rng.standard_normal(len(grid)), ground.roughness_length_m / 2.5 / 0.005
@@ -151,4 +249,5 @@ def ground_line(
     rough *= ground.roughness_m / rough.std()
     tactile = level_at(course, grid, "tactile", 0.2)
     bumps = np.sqrt(2) * ground.tactile_m * np.sin(2 * np.pi * grid / tactile_pitch_m)
-    return interpolate.CubicSpline(grid, rough + tactile * bumps)
+    spline = interpolate.CubicSpline(grid, rough + tactile * bumps)
+    return lambda distance_m: np.asarray(spline(distance_m))

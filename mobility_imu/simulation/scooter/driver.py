@@ -9,10 +9,12 @@ import numpy as np
 from scipy import signal
 
 from mobility_imu._compiled import compiled
-from mobility_imu.frames import FloatArray
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, check_positive
 from mobility_imu.scooter.geometry import ScooterGeometry
 from mobility_imu.simulation.scooter.course import Course, middle_line
 from mobility_imu.simulation.scooter.parts import Layout
+from mobility_imu.simulation.seeds import stream
 
 
 def _deg(value: float) -> float:
@@ -46,10 +48,28 @@ class Driver:
     hand_noise_rad: float = _deg(1.5)
     arm_hz: float = 1.5
 
+    def __post_init__(self) -> None:
+        """Check every size."""
+        check_positive(self, allow_zero=("hand_noise_rad",))
+        if self.throttle_rad > LARGEST_THROTTLE_RAD:
+            raise InputError(
+                f"Driver.throttle_rad = {self.throttle_rad:g}: expected up to "
+                f"{LARGEST_THROTTLE_RAD:.3f} (in deg?)"
+            )
+
 
 def draw_driver(seed: int) -> Driver:
-    """Draw a driver."""
-    rng = np.random.default_rng([seed, 12])
+    """Draw a driver.
+
+    Parameters
+    ----------
+    seed : of the driver; the same seed gives the same one
+
+    Returns
+    -------
+    Driver
+    """
+    rng = stream(seed, 12)
     return Driver(
         look_ahead_m=float(rng.uniform(0.8, 1.3)),
         throttle_rad=float(np.deg2rad(rng.uniform(25, 38))),
@@ -59,7 +79,15 @@ def draw_driver(seed: int) -> Driver:
 
 
 class ScooterMotion(NamedTuple):
-    """A driven run at DRIVER_HZ."""
+    """A driven run, at DRIVER_HZ or refined.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    distance_m : (n,) array, m, driven by the rear axle's middle
+    speed_mps, heading_rad, steering_rad, throttle_rad : (n,) arrays, m/s and rad, left positive
+    position_m : (n, 2) array, m, x right and y forward of the start
+    """
 
     time_s: FloatArray
     distance_m: FloatArray
@@ -77,7 +105,20 @@ def drive(
     geometry: ScooterGeometry,
     rng: np.random.Generator,
 ) -> ScooterMotion:
-    """Steer at a point ahead on the path, hold the throttle, let go before the end."""
+    """Steer at a point ahead on the path, hold the throttle, let go before the end.
+
+    Parameters
+    ----------
+    course : Course
+    driver : Driver
+    layout : Layout
+    geometry : ScooterGeometry
+    rng : the source of the hands' unwanted movement
+
+    Returns
+    -------
+    ScooterMotion at DRIVER_HZ
+    """
     path_s, path = middle_line(course)
     dt = 1 / DRIVER_HZ
     longest = round((course.length_m / SPEED_LIMIT_MPS * 2.5 + 10) * DRIVER_HZ)
@@ -105,8 +146,17 @@ def drive(
 
 @compiled()
 def _follow(
-    path_s, path, wander, dt, stop_at, look_ahead, held, omega, wheelbase, project
-):  # fmt: skip
+    path_s: FloatArray,
+    path: FloatArray,
+    wander: FloatArray,
+    dt: float,
+    stop_at: float,
+    look_ahead: float,
+    held: float,
+    omega: float,
+    wheelbase: float,
+    project: float,
+) -> FloatArray:
     """Step driver, speed controller and bicycle, each from where it is now."""
     full_speed = np.deg2rad(30.0)
     rest = round(1.0 / dt)  # the controls stay put for a second before and after

@@ -13,7 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, as_count, as_number, check_positive
+from mobility_imu.simulation.checks import check_range, check_triple
+from mobility_imu.simulation.seeds import stream
+
+FAST_HZ = 1000.0
+"""Rate at which the true motion is written down, Hz."""
 
 
 def _deg(value: float) -> float:
@@ -26,6 +31,14 @@ class Layout:
 
     Overall length 1.195 m and height 0.98 m are from section 2.1; the rest is set by hand to fit
     them.
+
+    Parameters
+    ----------
+    wheelbase_m, tread_m : m, between the axles, and between the wheels of one axle
+    body_imu_m : m, place of the body's IMU
+    steering_point_m : m, a point on the steering axis
+    lever_pivot_m : m, pivot of the lever from that point, in the steering frame
+    lever_imu_m : m, place of the lever's IMU from the pivot, in the lever frame
     """
 
     wheelbase_m: float = 0.90
@@ -34,6 +47,12 @@ class Layout:
     steering_point_m: tuple[float, float, float] = (0.0, 0.64, 0.90)
     lever_pivot_m: tuple[float, float, float] = (0.20, 0.03, 0.02)  # from there, steering frame
     lever_imu_m: tuple[float, float, float] = (0.02, 0.0, 0.06)  # from the pivot, lever frame
+
+    def __post_init__(self) -> None:
+        """Check lengths and places."""
+        check_positive(self, "wheelbase_m", "tread_m")
+        for name in ("body_imu_m", "steering_point_m", "lever_pivot_m", "lever_imu_m"):
+            check_triple(getattr(self, name), f"Layout.{name}")
 
     @classmethod
     def together(cls) -> Layout:
@@ -59,6 +78,12 @@ class Shaking:
     tactile_mps2: float = 0.06 * STANDARD_GRAVITY_MPS2
     spikes_per_s: float = 2.0
     spike_mps2: float = 0.6 * STANDARD_GRAVITY_MPS2
+
+    def __post_init__(self) -> None:
+        """Check every size."""
+        sizes = ("vibration_mps2", "tactile_mps2", "spikes_per_s", "spike_mps2")
+        check_positive(self, *sizes, allow_zero=sizes)
+        check_range(tuple(sorted(self.vibration_hz)), "Shaking.vibration_hz", most=FAST_HZ / 4)
 
 
 NO_SHAKING = Shaking(0.0, (14.0, 22.0), 0.0, 0.0, 0.0)
@@ -87,6 +112,12 @@ class Reference:
     wheel_radius_m: float = 0.13
     clock_offset_s: float = 0.5
 
+    def __post_init__(self) -> None:
+        """Check every size."""
+        sizes = ("steering_play_rad", "throttle_play_rad", "resolution_m", "clock_offset_s")
+        check_positive(self, "disk_radius_m", "wheel_radius_m", *sizes, allow_zero=sizes)
+        as_count(self.wheel_magnets, "Reference.wheel_magnets")
+
 
 PERFECT_REFERENCE = Reference(0.0, 0.0, 0.03, 0.0, 4, 0.13, 0.0)
 
@@ -105,9 +136,32 @@ class ScooterUnit:
     body_mounting: tuple[float, float, float] = (0.0, 0.0, 0.0)
     unit_seed: int = 0
 
+    def __post_init__(self) -> None:
+        """Check the rotation vectors and the seed."""
+        check_triple(self.lever_mounting, "ScooterUnit.lever_mounting")
+        check_triple(self.body_mounting, "ScooterUnit.body_mounting")
+        as_count(self.unit_seed, "ScooterUnit.unit_seed", least=0)
+
+    @property
+    def mountings(self) -> dict[str, tuple[float, float, float]]:
+        """Rotation vector of each IMU, rad, by the sensor's name."""
+        return {"lever": self.lever_mounting, "body": self.body_mounting}
+
 
 def draw_scooter(seed: int, *, mounting_sd_rad: float = _deg(1.0)) -> ScooterUnit:
-    """Draw one scooter: each IMU is off by mounting_sd_rad about each axis (sd, set by hand)."""
-    rng = np.random.default_rng([seed, 11])
-    lever, body = mounting_sd_rad * rng.standard_normal((2, 3))
+    """Draw one scooter.
+
+    Parameters
+    ----------
+    seed : of the scooter; the same seed gives the same one
+    mounting_sd_rad : rad, sd by which each IMU's axes are off about each axis, set by hand
+
+    Returns
+    -------
+    ScooterUnit
+    """
+    rng = stream(seed, 11)
+    lever, body = as_number(mounting_sd_rad, "mounting_sd_rad", zero=True) * rng.standard_normal(
+        (2, 3)
+    )
     return ScooterUnit(tuple(lever.tolist()), tuple(body.tolist()), seed)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mobility_imu._compiled import compiled
-from mobility_imu.frames import FloatArray
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_number, as_series
 from mobility_imu.simulation.scooter.driver import ScooterMotion
 from mobility_imu.simulation.scooter.parts import Reference
 
@@ -13,7 +15,20 @@ from mobility_imu.simulation.scooter.parts import Reference
 def read_reference(
     fast: ScooterMotion, reference: Reference, sampling_rate_hz: float, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Wire sensors on the second logger's clock, and the Hall pulses on both clocks."""
+    """Wire sensors on the second logger's clock, and the Hall pulses on both clocks.
+
+    Parameters
+    ----------
+    fast : ScooterMotion
+    reference : Reference
+    sampling_rate_hz : Hz, of the second logger
+    rng : the source of the draws
+
+    Returns
+    -------
+    (m, 2) array, rad, steering and throttle; (m,) array, s, their times on the logger's clock;
+    (k,) arrays, s, the pulses on the IMUs' clock and on the logger's
+    """
     offset = reference.clock_offset_s * rng.standard_normal()
     time_s = np.arange(fast.time_s[0], fast.time_s[-1], 1 / sampling_rate_hz)
     wires = []
@@ -21,7 +36,7 @@ def read_reference(
         (fast.steering_rad, reference.steering_play_rad),
         (fast.throttle_rad, reference.throttle_play_rad),
     ):
-        wire = _with_play(np.interp(time_s, fast.time_s, angle), play) * reference.disk_radius_m
+        wire = with_play(np.interp(time_s, fast.time_s, angle), play) * reference.disk_radius_m
         if reference.resolution_m > 0:
             wire = np.round(wire / reference.resolution_m) * reference.resolution_m
         wires.append(wire / reference.disk_radius_m)
@@ -34,9 +49,33 @@ def read_reference(
     return np.column_stack(wires), time_s + offset, np.round(pulses, 3), seen
 
 
+def with_play(angle_rad: ArrayLike, width_rad: float) -> FloatArray:
+    """Angle of a follower with backlash: it moves only when it is pushed.
+
+    Parameters
+    ----------
+    angle_rad : (n,) array, rad, of what pushes it; it begins in the middle of the play
+    width_rad : rad, of the play
+
+    Returns
+    -------
+    (n,) array, rad
+
+    Examples
+    --------
+    >>> with_play([0.0, 1.0, 0.5, -1.0], 1.0).tolist()
+    [0.0, 0.5, 0.5, -0.5]
+    """
+    angle = np.ascontiguousarray(as_series(angle_rad, "angle_rad"))
+    if not len(angle):
+        raise InputError("angle_rad: 0 samples, expected at least 1")
+    width = as_number(width_rad, "width_rad", zero=True)
+    return np.asarray(_with_play(angle, width))
+
+
 @compiled()
-def _with_play(angle, width):
-    """Backlash: the follower moves only when pushed."""
+def _with_play(angle: FloatArray, width: float) -> FloatArray:
+    """Follow sample by sample."""
     out = np.empty_like(angle)
     follower = angle[0]
     for k in range(len(angle)):

@@ -10,8 +10,9 @@ from scipy import interpolate, signal
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.frames import FloatArray, as_number
 from mobility_imu.recording import Recording
+from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.scooter.geometry import (
     SUZUKI_ET4D,
@@ -21,21 +22,27 @@ from mobility_imu.scooter.geometry import (
     rotation_steering_column_to_body,
     rotation_steering_to_column,
 )
-from mobility_imu.simulation.kinematics import angular_rates, second_derivative
+from mobility_imu.simulation.checks import check_kind
+from mobility_imu.simulation.kinematics import felt_by_imu
 from mobility_imu.simulation.scooter.course import Course, Ground, ground_line, level_at
 from mobility_imu.simulation.scooter.driver import SPEED_LIMIT_MPS, Driver, ScooterMotion, drive
-from mobility_imu.simulation.scooter.parts import Layout, Reference, ScooterUnit, Shaking
+from mobility_imu.simulation.scooter.parts import (
+    FAST_HZ,
+    Layout,
+    Reference,
+    ScooterUnit,
+    Shaking,
+)
 from mobility_imu.simulation.scooter.reference import read_reference
+from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.sensor import LPMS_CU2, SensorModel, measure
 
 if TYPE_CHECKING:
     import pandas as pd
 
-FAST_HZ = 1000.0
 
-
-@dataclass(frozen=True)
-class SimulatedRide:
+@dataclass(frozen=True, eq=False, repr=False)
+class SimulatedRide(Result):
     """One run: what was recorded, what the reference said, and the truth.
 
     Parameters
@@ -102,8 +109,11 @@ def simulate_ride(
     Raises
     ------
     InputError
-        If the sensor loses samples or jitters.
+        If the sensor loses samples or jitters, the sampling rate is not positive or above FAST_HZ,
+        or the seed is negative or not whole.
     """
+    check_kind(course, Course, "course")
+    sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
     if sensor.dropped_share > 0 or sensor.clock_jitter_s > 0:
         raise InputError(
             "sensor: lost samples and jitter differ between the two IMUs of a ride, whose samples "
@@ -111,63 +121,51 @@ def simulate_ride(
         )
     unit, driver, layout = unit or ScooterUnit(), driver or Driver(), layout or Layout()
     ground, shaking = ground or Ground(), shaking or Shaking()
-    reference = reference or Reference()
-    rng = np.random.default_rng([seed, 13])
+    rng = stream(seed, 13)
     motion = drive(course, driver, layout, geometry, rng)
     time_s = np.arange(0.0, motion.time_s[-1], 1 / FAST_HZ)
     fast = ScooterMotion(*(_refine(time_s, motion.time_s, part) for part in motion))
     pose = _pose(fast, course, layout, ground, rng)
-    to_world, origin = pose.rotation, pose.origin
-    lever_place, lever_turn = lever_pose(fast, geometry, layout)
-    body_place = np.broadcast_to(np.array(layout.body_imu_m), origin.shape)
-    body_turn = np.broadcast_to(np.eye(3), (len(time_s), 3, 3))
+    places = _places_in_body(fast, geometry, layout)
     on_tactile = level_at(course, fast.distance_m, "tactile", 0.2)
-    sensors, stated = {}, None
-    for k, (name, place, turn, tilt) in enumerate(
-        (
-            ("lever", lever_place, lever_turn, unit.lever_mounting),
-            ("body", body_place, body_turn, unit.body_mounting),
-        )
-    ):
-        at = origin + np.einsum("nij,nj->ni", to_world, place)
-        axes = to_world @ turn @ Rotation.from_rotvec(tilt).as_matrix()
-        force = second_derivative(at, 1 / FAST_HZ)
-        force[:, 2] += STANDARD_GRAVITY_MPS2
-        acc = np.einsum("nij,ni->nj", axes, force)
+    outputs = {}
+    for k, (name, tilt) in enumerate(unit.mountings.items()):
+        place, turn = places[name]
+        at = pose.origin + np.einsum("nij,nj->ni", pose.rotation, place)
+        axes = pose.rotation @ turn @ Rotation.from_rotvec(tilt).as_matrix()
+        acc, gyr = felt_by_imu(at, axes, 1 / FAST_HZ)
         acc = acc + _shake(fast.speed_mps, on_tactile, shaking, shaking.vibration_hz[k], rng)
-        output = measure(
+        outputs[name] = measure(
             time_s,
             acc,
-            angular_rates(axes, 1 / FAST_HZ),
+            gyr,
             sensor,
             sampling_rate_hz=sampling_rate_hz,
             seed=2 * seed + k,
             unit_seed=2 * unit.unit_seed + k,
         )
-        sensors[name], stated = output.imu, output
-    assert stated is not None
-    recording = Recording(stated.time_s, sensors, source=f"simulated ride, {course.name}")
-    true = stated.true_time_s
+    body = outputs["body"]
+    wires = read_reference(fast, reference or Reference(), sampling_rate_hz, rng)
 
     def at_samples(values: FloatArray) -> FloatArray:
-        return np.interp(true, time_s, values)
+        return np.interp(body.true_time_s, time_s, values)
 
-    wires, wire_time, pulses, wire_pulses = read_reference(fast, reference, sampling_rate_hz, rng)
     return SimulatedRide(
-        recording=recording,
-        steering_rad=at_samples(fast.steering_rad),
-        throttle_rad=at_samples(fast.throttle_rad),
-        reference=wires,
-        reference_time_s=wire_time,
-        pulses_s=pulses,
-        reference_pulses_s=wire_pulses,
+        Recording(
+            body.time_s,
+            {name: output.imu for name, output in outputs.items()},
+            source=f"simulated ride, {course.name}",
+        ),
+        at_samples(fast.steering_rad),
+        at_samples(fast.throttle_rad),
+        *wires,
         speed_mps=at_samples(fast.speed_mps),
     )
 
 
 def _refine(time_s: FloatArray, coarse_s: FloatArray, values: FloatArray) -> FloatArray:
     """Cubic spline: its second derivative, which becomes acceleration, has no jumps."""
-    return interpolate.CubicSpline(coarse_s, values, axis=0)(time_s)
+    return np.asarray(interpolate.CubicSpline(coarse_s, values, axis=0)(time_s))
 
 
 class _Pose(NamedTuple):
@@ -211,10 +209,29 @@ def _pose(
     return _Pose(turn, np.column_stack([shorter, height]))
 
 
+def _places_in_body(
+    fast: ScooterMotion, geometry: ScooterGeometry, layout: Layout
+) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Place of each IMU in the body (n, 3), and its nominal axes to body (n, 3, 3)."""
+    count = len(fast.time_s)
+    body = np.broadcast_to(np.array(layout.body_imu_m), (count, 3))
+    return {
+        "lever": lever_pose(fast, geometry, layout),
+        "body": (body, np.broadcast_to(np.eye(3), (count, 3, 3))),
+    }
+
+
 def lever_pose(
     fast: ScooterMotion, geometry: ScooterGeometry, layout: Layout
 ) -> tuple[FloatArray, FloatArray]:
-    """Place of the lever's IMU in the body (n, 3), and its nominal axes to body (n, 3, 3)."""
+    """Place of the lever's IMU in the body (n, 3), m, and its nominal axes to body (n, 3, 3).
+
+    Parameters
+    ----------
+    fast : ScooterMotion
+    geometry : ScooterGeometry
+    layout : Layout
+    """
     alpha, beta = geometry.steering_inclination_rad, geometry.lever_inclination_rad
     steering = rotation_steering_column_to_body(alpha) @ rotation_steering_to_column(
         fast.steering_rad
@@ -252,4 +269,4 @@ def _shake(
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     decay = np.exp(-1 / (0.01 * FAST_HZ))
     spikes = signal.lfilter([1], [1, -decay], struck[:, None] * direction, axis=0)
-    return share * (strength * ringing + spikes)
+    return np.asarray(share * (strength * ringing + spikes))

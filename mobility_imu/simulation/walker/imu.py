@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_rotation
 from mobility_imu.recording import Recording
+from mobility_imu.results import Result
 from mobility_imu.simulation.sensor import MTI_1, SensorModel, measure
 from mobility_imu.simulation.walker.motion import FAST_HZ, StepTruth, TiltTruth, WalkerMotion
 from mobility_imu.walker.geometry import WalkerMount
 
+if TYPE_CHECKING:
+    import pandas as pd
 
-@dataclass(frozen=True)
-class SimulatedWalker:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SimulatedWalker(Result):
     """What an IMU on the frame recorded, and the truth when it took its samples.
 
     Parameters
@@ -54,6 +59,45 @@ class SimulatedWalker:
         """Steps of the motion."""
         return self.motion.steps
 
+    @property
+    def distance_m(self) -> float:
+        """Horizontal distance of the body's origin between the first and the last sample, m."""
+        way = self.position_body_m[-1] - self.position_body_m[0]
+        return float(np.linalg.norm(way[:2]))
+
+    def path_in_axes(self, rotation_imu_to_axes: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """True path of the IMU from its first sample, in level axes with a heading of their own.
+
+        An estimate starts with a heading by choice; its axes differ from the world's by that.
+
+        Parameters
+        ----------
+        rotation_imu_to_axes : (3, 3) array, attitude of the first sample in the other axes
+
+        Returns
+        -------
+        (n, 3) array, m, and the rotation (3, 3) from the world's axes into the others
+        """
+        given = as_rotation(rotation_imu_to_axes, "rotation_imu_to_axes")
+        turn = given @ self.rotation_imu_to_world[0].T
+        heading = np.arctan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
+        level = Rotation.from_euler("z", heading).as_matrix()
+        return (self.position_imu_m - self.position_imu_m[0]) @ level.T, level
+
+    def truth(self) -> pd.DataFrame:
+        """Table of the true path of the body, columns as ``walker trajectory`` writes them."""
+        import pandas as pd
+
+        forward = self.rotation_body_to_world[:, :, 0]
+        return pd.DataFrame(
+            {
+                "time_s": self.recording.time_s,
+                **{f"{axis}_m": self.position_body_m[:, k] for k, axis in enumerate("xyz")},
+                "yaw_deg": np.rad2deg(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0]))),
+                "stationary": self.stationary.astype(int),
+            }
+        )
+
 
 def attach_imu(
     motion: WalkerMotion,
@@ -82,7 +126,8 @@ def attach_imu(
     Raises
     ------
     InputError
-        If the sensor loses samples, which no Recording allows.
+        If the sensor loses samples, which no Recording allows, the sampling rate is not positive
+        or above FAST_HZ, or a seed is negative or not whole.
     """
     axes, arm = mount.rotation_imu_to_body, mount.translation_body_m
     force = motion.specific_force_mps2 + motion.arm_per_s2 @ arm

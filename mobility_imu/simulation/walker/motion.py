@@ -10,17 +10,23 @@ Body frame: :mod:`mobility_imu.walker.geometry`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, check_positive
+from mobility_imu.results import Result
+from mobility_imu.simulation.checks import check_range
 from mobility_imu.simulation.kinematics import angular_rates, second_derivative
 from mobility_imu.walker.geometry import TiltDirection
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def _deg(value: float) -> float:
@@ -76,16 +82,10 @@ class Imperfections:
     landing_ringing_decay_s: float = 0.05
 
     def __post_init__(self) -> None:
-        """Refuse negative sizes."""
-        for name, value in vars(self).items():
-            if name != "landing_ringing_hz" and not (np.isfinite(value) and value >= 0):
-                raise InputError(f"{name} = {value}: expected a number that is not negative")
-        low, high = self.landing_ringing_hz
-        if not 0 < low <= high <= FAST_HZ / 10:
-            raise InputError(
-                f"landing_ringing_hz = {self.landing_ringing_hz}: expected 0 < low <= high <= "
-                f"{FAST_HZ / 10:g}"
-            )
+        """Check every size."""
+        sizes = [f.name for f in fields(self) if f.name != "landing_ringing_hz"]
+        check_positive(self, *sizes, allow_zero=sizes)
+        check_range(self.landing_ringing_hz, "landing_ringing_hz", most=FAST_HZ / 10)
         if not 0.01 <= self.landing_stop_s <= 0.2:
             raise InputError(f"landing_stop_s = {self.landing_stop_s}: expected 0.01 to 0.2 s")
         if not 0.01 <= self.landing_ringing_decay_s <= 0.2:
@@ -148,8 +148,21 @@ class StepTruth:
     turn_rad: float
 
 
-@dataclass(frozen=True)
-class WalkerMotion:
+class Knots(NamedTuple):
+    """When the frame stood at which part of its way.
+
+    Parameters
+    ----------
+    time_s : (k + 1,) array, s, the first lift, then the k placements
+    way_m : (k + 1,) array, m, horizontal way along the places where the frame was put down, from 0
+    """
+
+    time_s: FloatArray
+    way_m: FloatArray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WalkerMotion(Result):
     """True motion of the rigid frame, at FAST_HZ.
 
     Parameters
@@ -170,6 +183,35 @@ class WalkerMotion:
     tilts: tuple[TiltTruth, ...] = ()
     steps: tuple[StepTruth, ...] = ()
 
+    def __getstate__(self) -> dict[str, Any]:
+        """State to pickle or copy: what is worked out from it is worked out again."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def step_table(self) -> pd.DataFrame:
+        """Table of the steps, columns as in :class:`StepTruth`."""
+        import pandas as pd
+
+        names = [field.name for field in fields(StepTruth)]
+        rows = [[getattr(step, name) for name in names] for step in self.steps]
+        return pd.DataFrame(rows, columns=names, dtype=float)
+
+    def knots(self) -> Knots:
+        """Times of the first lift and of the placements, and the way along the true places.
+
+        The way is longer than the sum of the steps' lengths if the tips creep between two steps.
+
+        Raises
+        ------
+        InputError
+            If the motion has no step.
+        """
+        if not self.steps:
+            raise InputError("motion: it has no step, expected a walk")
+        place = np.array([step.place_s for step in self.steps])
+        at = np.r_[0, np.searchsorted(self.time_s, place)]
+        legs = np.linalg.norm(np.diff(self.position_m[at, :2], axis=0), axis=1)
+        return Knots(np.r_[self.steps[0].lift_s, place], np.r_[0.0, np.cumsum(legs)])
+
     @cached_property
     def velocity_mps(self) -> FloatArray:
         """Velocity of the body's origin in the world, (m, 3), m/s."""
@@ -185,7 +227,7 @@ class WalkerMotion:
         """Specific force at the body's origin in the body's axes, (m, 3), m/s²."""
         force = second_derivative(self.position_m, 1 / FAST_HZ)
         force[:, 2] += STANDARD_GRAVITY_MPS2
-        return np.einsum("nij,ni->nj", self.rotation_body_to_world, force)
+        return np.asarray(np.einsum("nij,ni->nj", self.rotation_body_to_world, force))
 
     @cached_property
     def arm_per_s2(self) -> FloatArray:
@@ -198,23 +240,32 @@ class WalkerMotion:
         return np.swapaxes(self.rotation_body_to_world, 1, 2) @ turning
 
 
-def check_ranges(style: object) -> None:
-    for name, value in vars(style).items():
-        if isinstance(value, tuple):
-            if len(value) != 2 or not 0 < value[0] <= value[1] < np.inf:
-                raise InputError(f"{name} = {value}: expected 0 < low <= high")
-        elif not 0 < value < np.inf:
-            raise InputError(f"{name} = {value}: expected a positive number")
-
-
 def fast_clock(end_s: float) -> FloatArray:
+    """Times at FAST_HZ from 0 to an end or just beyond it, (m,), s.
+
+    Parameters
+    ----------
+    end_s : s
+    """
     return np.arange(int(np.ceil(end_s * FAST_HZ)) + 1) / FAST_HZ
 
 
 def band_noise(
     count: int, columns: int, band_hz: tuple[float, float], rng: np.random.Generator
 ) -> FloatArray:
-    """Displacement of sd 1 under a force that is white in a band: falls with frequency squared."""
+    """Displacement of sd 1 under a force that is white in a band: falls with frequency squared.
+
+    Parameters
+    ----------
+    count : number of samples at FAST_HZ
+    columns : number of independent displacements
+    band_hz : Hz, (low, high)
+    rng : the source of the draws
+
+    Returns
+    -------
+    (count, columns) array
+    """
     size = fft.next_fast_len(count, real=True)
     frequency = fft.rfftfreq(size, 1 / FAST_HZ)
     inside = np.nonzero((frequency >= band_hz[0]) & (frequency <= band_hz[1]))[0]
@@ -222,4 +273,4 @@ def band_noise(
     draws = rng.standard_normal((2, len(inside), columns))
     spectrum[inside] = (draws[0] + 1j * draws[1]) / frequency[inside, None] ** 2
     wave = fft.irfft(spectrum, size, axis=0)[:count]
-    return wave / wave.std(axis=0)
+    return np.asarray(wave / wave.std(axis=0))

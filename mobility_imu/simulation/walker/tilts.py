@@ -10,14 +10,15 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
+from mobility_imu.simulation.checks import check_ranges
 from mobility_imu.simulation.profiles import least_jerk, window
+from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.walker.motion import (
     PERFECT,
     Imperfections,
     TiltTruth,
     WalkerMotion,
     band_noise,
-    check_ranges,
     fast_clock,
 )
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
@@ -50,7 +51,7 @@ class TiltStyle:
     first_still_s: tuple[float, float] = (2.5, 3.0)
 
     def __post_init__(self) -> None:
-        """Refuse what is no range."""
+        """Check every range."""
         check_ranges(self)
         if self.angle_rad[1] > np.pi / 2:
             raise InputError(f"angle_rad = {self.angle_rad}: expected up to pi/2 (in deg?)")
@@ -87,29 +88,16 @@ def simulate_tilts(
     if isinstance(order, str) or not len(order):
         raise InputError(f"order = {order!r}: expected at least one direction in a sequence")
     edges = [geometry.edge(direction) for direction in order]
-    rng = np.random.default_rng([seed, 31])
-    slips, twists, tremors = (np.random.default_rng([seed, 31, k]) for k in range(1, 4))
-    clock = rng.uniform(*style.first_still_s)
-    tilts = []
-    for direction in order:
-        angle = rng.uniform(*style.angle_rad)
-        spans = [rng.uniform(*span) for span in (style.out_s, style.hold_s, style.back_s)]
-        times = clock + np.cumsum([0.0, *spans])
-        tilts.append(TiltTruth(direction, float(angle), *times.tolist()))
-        clock = times[-1] + rng.uniform(*style.still_s)
-    time_s = fast_clock(clock)
+    slips, twists, tremors = (stream(seed, 31, k) for k in range(1, 4))
+    tilts, end_s = _drawn_tilts(order, style, stream(seed, 31))
+    time_s = fast_clock(end_s)
     count = len(time_s)
     position, rotation = np.zeros((count, 3)), np.tile(np.eye(3), (count, 1, 1))
     stationary = np.ones(count, bool)
     shaking = imperfections.hold_tremor_rad / np.sqrt(2) * band_noise(count, 1, (2.0, 8.0), tremors)
     for tilt, edge in zip(tilts, edges, strict=True):
         first, last = np.searchsorted(time_s, [tilt.start_s, tilt.stop_s])
-        now = time_s[first:last]
-        out = least_jerk((now - tilt.start_s) / (tilt.held_from_s - tilt.start_s))
-        back = least_jerk((now - tilt.held_until_s) / (tilt.stop_s - tilt.held_until_s))
-        fade = 0.2 * (tilt.held_until_s - tilt.held_from_s)
-        held = window(now, tilt.held_from_s, tilt.held_until_s, fade)
-        angle = tilt.angle_rad * (out - back) + held * shaking[first:last, 0]
+        out, angle = _tipped(tilt, time_s[first:last], shaking[first:last, 0])
         slip = imperfections.edge_slip_m * abs(slips.standard_normal())
         course = slips.uniform(0, 2 * np.pi)
         slide = slip * np.array([np.cos(course), np.sin(course), 0.0])
@@ -118,27 +106,52 @@ def simulate_tilts(
         outward = np.cross(edge.axis, [0, 0, 1])
         pivot = at + standing @ (edge.point_m + imperfections.ferrule_edge_m * outward)
         about = standing @ edge.axis
-
-        def turned(yaw: FloatArray, tip: FloatArray, *, about: FloatArray = about) -> FloatArray:
-            whole = Rotation.from_rotvec(np.outer(yaw, [0, 0, 1])) * Rotation.from_rotvec(
-                np.outer(tip, about)
-            )
-            return whole.as_matrix()
-
-        turn = turned(twist * out, angle)
-        end = turned(np.array([twist]), np.zeros(1))[0]
+        turn = _turned(twist * out, angle, about)
+        end = _turned(np.array([twist]), np.zeros(1), about)[0]
         position[first:last] = pivot + np.outer(out, slide) + turn @ (at - pivot)
         rotation[first:last] = turn @ standing
         position[last:] = pivot + slide + end @ (at - pivot)
         rotation[last:] = end @ standing
         stationary[first:last] = False
-    return WalkerMotion(time_s, position, rotation, stationary, tilts=tuple(tilts))
+    return WalkerMotion(time_s, position, rotation, stationary, tilts=tilts)
+
+
+def _drawn_tilts(
+    order: Sequence[TiltDirection], style: TiltStyle, rng: np.random.Generator
+) -> tuple[tuple[TiltTruth, ...], float]:
+    """Angles and times of the tilts, and when the recording ends."""
+    clock = rng.uniform(*style.first_still_s)
+    tilts = []
+    for direction in order:
+        angle = rng.uniform(*style.angle_rad)
+        spans = [rng.uniform(*span) for span in (style.out_s, style.hold_s, style.back_s)]
+        times = clock + np.cumsum([0.0, *spans])
+        tilts.append(TiltTruth(direction, float(angle), *times.tolist()))
+        clock = times[-1] + rng.uniform(*style.still_s)
+    return tuple(tilts), clock
+
+
+def _tipped(
+    tilt: TiltTruth, time_s: FloatArray, shaking_rad: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """How far the tilt has come, 0 to 1, and the angle about the edge with its tremor, rad."""
+    out = least_jerk((time_s - tilt.start_s) / (tilt.held_from_s - tilt.start_s))
+    back = least_jerk((time_s - tilt.held_until_s) / (tilt.stop_s - tilt.held_until_s))
+    fade = 0.2 * (tilt.held_until_s - tilt.held_from_s)
+    held = window(time_s, tilt.held_from_s, tilt.held_until_s, fade)
+    return out, tilt.angle_rad * (out - back) + held * shaking_rad
+
+
+def _turned(yaw_rad: FloatArray, tip_rad: FloatArray, about: FloatArray) -> FloatArray:
+    """Rotations by an angle about an axis, then by a yaw, (n, 3, 3)."""
+    yaw = Rotation.from_rotvec(np.outer(yaw_rad, [0, 0, 1]))
+    return np.asarray((yaw * Rotation.from_rotvec(np.outer(tip_rad, about))).as_matrix())
 
 
 def measured_geometry(
     geometry: WalkerGeometry, imperfections: Imperfections, seed: int
 ) -> WalkerGeometry:
-    """Give the footprint as the user's tape gives it: both lengths off by N(0, tape_m).
+    """Footprint as the user's tape measures it: both lengths off by N(0, tape_m).
 
     Parameters
     ----------
@@ -150,7 +163,7 @@ def measured_geometry(
     -------
     WalkerGeometry
     """
-    width, length = imperfections.tape_m * np.random.default_rng([seed, 33]).standard_normal(2)
+    width, length = imperfections.tape_m * stream(seed, 33).standard_normal(2)
     return WalkerGeometry(
         geometry.footprint_width_m + float(width), geometry.footprint_length_m + float(length)
     )

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, as_number
+from mobility_imu.simulation.checks import check_ranges
 from mobility_imu.simulation.profiles import hump, smooth, window
+from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.walker.motion import (
     PERFECT,
     Imperfections,
     StepTruth,
     WalkerMotion,
     band_noise,
-    check_ranges,
     fast_clock,
 )
 
@@ -54,7 +56,7 @@ class WalkStyle:
     last_still_s: float = 2.0
 
     def __post_init__(self) -> None:
-        """Refuse what is no range."""
+        """Check every range."""
         check_ranges(self)
         if self.pitch_rad[1] > np.pi / 4:
             raise InputError(f"pitch_rad = {self.pitch_rad}: expected up to pi/4 (in deg?)")
@@ -74,10 +76,9 @@ class Leg:
     turn_rad: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse a negative length."""
-        if not (np.isfinite(self.length_m) and self.length_m >= 0):
-            raise InputError(f"length_m = {self.length_m}: expected a number that is not negative")
-        if not abs(self.turn_rad) <= 2 * np.pi:
+        """Check both numbers."""
+        as_number(self.length_m, "length_m", zero=True)
+        if abs(as_number(self.turn_rad, "turn_rad", negative=True)) > 2 * np.pi:
             raise InputError(f"turn_rad = {self.turn_rad}: expected within a full turn (in deg?)")
 
 
@@ -128,62 +129,131 @@ def simulate_walk(
     Raises
     ------
     InputError
-        If the path is empty or has no length, or the duration is not positive.
+        If the path is empty or has no length, the duration is not positive, or the seed is
+        negative or not whole.
     """
     style = style or WalkStyle()
-    if not len(path) or not sum(leg.length_m for leg in path) > 0:
+    if not len(path) or any(not isinstance(leg, Leg) for leg in path):
+        raise InputError(f"path = {path!r:.60}: expected at least one Leg in a sequence")
+    if not sum(leg.length_m for leg in path) > 0:
         raise InputError("path: expected at least one leg with a length")
-    if duration_s is not None and not (np.isfinite(duration_s) and duration_s > 0):
-        raise InputError(f"duration_s = {duration_s}: expected a positive number")
-    rng = np.random.default_rng([seed, 32])
-    streams = (np.random.default_rng([seed, 32, k]) for k in range(1, 6))
-    rocks, creeps, misses, landings, rings = streams
-    plan = _plan(path, style, rng, duration_s)
+    if duration_s is not None:
+        duration_s = as_number(duration_s, "duration_s")
+    rocks, creeps, misses, landings, rings = (stream(seed, 32, k) for k in range(1, 6))
+    plan = _plan(path, style, stream(seed, 32), duration_s)
+    places = _places(plan, imperfections, misses, creeps)
+    lift, place = plan.lift_s, plan.lift_s + plan.swing_s
+    time_s = fast_clock(place[-1] + style.last_still_s)
+    phase = _phase(time_s, plan)
+    position = _positions(phase, plan, places)
+    position += _landing(phase, plan, imperfections, landings)
+    position += _ringing(phase, len(lift), imperfections, rings)
+    stop = imperfections.landing_stop_s if imperfections.landing_mps > 0 else 0.0
+    moved = np.linalg.norm(places.placed_m - places.start_m, axis=1)
+    steps = np.column_stack([lift, place, moved, plan.turn_rad]).tolist()
+    return WalkerMotion(
+        time_s,
+        position,
+        _rotations(time_s, phase, plan, imperfections, rocks).as_matrix(),
+        ~phase.begun | (phase.since_s >= stop),
+        steps=tuple(StepTruth(*row) for row in steps),
+    )
+
+
+class _Places(NamedTuple):
+    """Where the frame stands, (k, 2) arrays, m: at the lift, as placed, and when it is left."""
+
+    start_m: FloatArray
+    placed_m: FloatArray
+    left_m: FloatArray
+
+
+def _places(
+    plan: _Plan,
+    imperfections: Imperfections,
+    misses: np.random.Generator,
+    creeps: np.random.Generator,
+) -> _Places:
+    """Aimed places with what they are missed by, and what the tips creep before the next lift."""
     count = len(plan.length_m)
-    aimed = np.cumsum(plan.length_m[:, None] * _ahead(plan.facing_rad), axis=0)
-    heading = np.cumsum(plan.turn_rad)
-    miss = imperfections.placement_sd_m * misses.standard_normal((count, 2))
     ahead = _ahead(plan.facing_rad)
+    aimed = np.cumsum(plan.length_m[:, None] * ahead, axis=0)
+    miss = imperfections.placement_sd_m * misses.standard_normal((count, 2))
     aside = np.column_stack([-ahead[:, 1], ahead[:, 0]])
     placed = aimed + miss[:, :1] * ahead + miss[:, 1:] * aside
     creep = imperfections.creep_sd_m * np.abs(creeps.standard_normal(count))
     creep[-1] = 0  # nobody leans on the frame any more
-    left = placed + creep[:, None] * _ahead(heading)
-    start = np.vstack([np.zeros(2), left[:-1]])
+    left = placed + creep[:, None] * _ahead(np.cumsum(plan.turn_rad))
+    return _Places(np.vstack([np.zeros(2), left[:-1]]), placed, left)
+
+
+class _Phase(NamedTuple):
+    """Where in which step each time lies, (n,) arrays.
+
+    Parameters
+    ----------
+    step : number of the step that was begun last
+    begun : whether one was begun at all
+    followed : whether another step follows
+    swing, rest : 0 to 1 within its swing and within the rest after it
+    since_s : s, since the frame was placed; negative in the air, minus infinity before the first
+    place_s, after_s : s, when it is placed, and when it is lifted again (infinity for the last)
+    """
+
+    step: NDArray[np.intp]
+    begun: NDArray[np.bool_]
+    followed: NDArray[np.bool_]
+    swing: FloatArray
+    rest: FloatArray
+    since_s: FloatArray
+    place_s: FloatArray
+    after_s: FloatArray
+
+
+def _phase(time_s: FloatArray, plan: _Plan) -> _Phase:
     lift, place = plan.lift_s, plan.lift_s + plan.swing_s
     after = np.r_[lift[1:], np.inf]
-
-    time_s = fast_clock(place[-1] + style.last_still_s)
     step = np.searchsorted(lift, time_s, side="right") - 1
     begun = step >= 0
     k = np.maximum(step, 0)
     swing = np.where(begun, (time_s - lift[k]) / plan.swing_s[k], 0.0)
-    gone = smooth(swing)
-    air = hump(swing)
-    rest = np.where(begun & (after[k] < np.inf), (time_s - place[k]) / (after[k] - place[k]), 0.0)
-    position = np.zeros((len(time_s), 3))
-    position[:, :2] = start[k] + gone[:, None] * (placed - start)[k]
-    position[:, :2] += smooth(rest)[:, None] * (left - placed)[k]
-    position[:, 2] = plan.lift_m[k] * air
+    followed = begun & (after[k] < np.inf)
+    rest = np.where(followed, (time_s - place[k]) / (after[k] - place[k]), 0.0)
     since = np.where(begun, time_s - place[k], -np.inf)
-    position += _landing(swing, since, plan.swing_s[k], k, count, imperfections, landings)
-    position += _ringing(since, k, count, imperfections, rings)
-    yaw = (heading - plan.turn_rad)[k] + plan.turn_rad[k] * gone
-    rotation = Rotation.from_euler("ZY", np.column_stack([yaw, -plan.pitch_rad[k] * air]))
-    rocking = imperfections.rocking_rad * band_noise(len(time_s), 2, (0.7, 1.4), rocks)
-    if imperfections.rocking_rad > 0:
-        standing = begun & (after[k] < np.inf) & (since > 0)
-        held = np.where(standing, window(time_s, place[k], after[k], 0.3), 0.0)
-        rocking = np.column_stack([rocking * held[:, None], np.zeros(len(time_s))])
-        rotation = rotation * Rotation.from_rotvec(rocking)
-    stop = imperfections.landing_stop_s if imperfections.landing_mps > 0 else 0.0
-    moved = np.linalg.norm(placed - start, axis=1)
-    steps = tuple(
-        StepTruth(*row) for row in np.column_stack([lift, place, moved, plan.turn_rad]).tolist()
-    )
-    return WalkerMotion(
-        time_s, position, rotation.as_matrix(), ~begun | (since >= stop), steps=steps
-    )
+    return _Phase(k, begun, followed, swing, rest, since, place[k], after[k])
+
+
+def _positions(phase: _Phase, plan: _Plan, places: _Places) -> FloatArray:
+    """Path of the body's origin without touch-downs, (n, 3), m."""
+    k = phase.step
+    gone, crept = smooth(phase.swing)[:, None], smooth(phase.rest)[:, None]
+    position = np.zeros((len(k), 3))
+    position[:, :2] = places.start_m[k] + gone * (places.placed_m - places.start_m)[k]
+    position[:, :2] += crept * (places.left_m - places.placed_m)[k]
+    position[:, 2] = plan.lift_m[k] * hump(phase.swing)
+    return position
+
+
+def _rotations(
+    time_s: FloatArray,
+    phase: _Phase,
+    plan: _Plan,
+    imperfections: Imperfections,
+    rng: np.random.Generator,
+) -> Rotation:
+    """Yaw and pitch of the steps, and the rocking between them."""
+    k = phase.step
+    before = np.cumsum(plan.turn_rad) - plan.turn_rad
+    yaw = before[k] + plan.turn_rad[k] * smooth(phase.swing)
+    pitch = -plan.pitch_rad[k] * hump(phase.swing)
+    rotation = Rotation.from_euler("ZY", np.column_stack([yaw, pitch]))
+    if imperfections.rocking_rad == 0:
+        return rotation
+    rocking = imperfections.rocking_rad * band_noise(len(time_s), 2, (0.7, 1.4), rng)
+    standing = phase.followed & (phase.since_s > 0)
+    held = np.where(standing, window(time_s, phase.place_s, phase.after_s, 0.3), 0.0)
+    rocking = np.column_stack([rocking * held[:, None], np.zeros(len(time_s))])
+    return rotation * Rotation.from_rotvec(rocking)
 
 
 @dataclass(frozen=True)
@@ -239,43 +309,33 @@ def _step_lengths(length_m: float, style: WalkStyle, rng: np.random.Generator) -
 
 
 def _landing(
-    swing: FloatArray,
-    since_s: FloatArray,
-    swing_s: FloatArray,
-    k: NDArray[np.intp],
-    count: int,
-    imperfections: Imperfections,
-    rng: np.random.Generator,
+    phase: _Phase, plan: _Plan, imperfections: Imperfections, rng: np.random.Generator
 ) -> FloatArray:
     """Displacement (n, 3) that gives each touch-down a velocity and ends in the planned place."""
-    touch = imperfections.landing_mps * rng.standard_normal((count, 3))
+    touch = imperfections.landing_mps * rng.standard_normal((len(plan.lift_s), 3))
     touch[:, 2] = -np.abs(touch[:, 2])
     if imperfections.landing_mps == 0:
-        return np.zeros((len(swing), 3))
+        return np.zeros((len(phase.swing), 3))
     stop = imperfections.landing_stop_s
-    u, w = np.clip(swing, 0, 1), np.clip(since_s / stop, 0, 1)
+    u, w = np.clip(phase.swing, 0, 1), np.clip(phase.since_s / stop, 0, 1)
     e = u - 1
     # In the air: slope 1 at the end, where the value and two more derivatives are 0.
-    arriving = swing_s * u**4 * e * (1 - 4 * e + 10 * e**2) - stop / 2 * smooth(u)
+    arriving = plan.swing_s[phase.step] * u**4 * e * (1 - 4 * e + 10 * e**2) - stop / 2 * smooth(u)
     stopping = stop * (w - w**4 * (2.5 - 3 * w + w**2))
-    return (arriving + stopping)[:, None] * touch[k]
+    return (arriving + stopping)[:, None] * touch[phase.step]
 
 
 def _ringing(
-    since_s: FloatArray,
-    k: NDArray[np.intp],
-    count: int,
-    imperfections: Imperfections,
-    rng: np.random.Generator,
+    phase: _Phase, count: int, imperfections: Imperfections, rng: np.random.Generator
 ) -> FloatArray:
     """Displacement (n, 3) after each touch-down; it sets in within 20 ms."""
     omega = 2 * np.pi * rng.uniform(*imperfections.landing_ringing_hz, count)
     direction = rng.standard_normal((count, 3))
     if imperfections.landing_ringing_mps2 == 0:
-        return np.zeros((len(since_s), 3))
+        return np.zeros((len(phase.since_s), 3))
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     size = imperfections.landing_ringing_mps2 / omega**2
-    since = np.maximum(since_s, 0.0)
+    k, since = phase.step, np.maximum(phase.since_s, 0.0)
     decay = np.exp(-since / imperfections.landing_ringing_decay_s)
     wave = size[k] * smooth(since / 0.02) * decay * np.sin(omega[k] * since)
     return wave[:, None] * direction[k]

@@ -4,15 +4,14 @@
 coasting and braking, wheels that slip or skid, toe, slopes and any sensor model.
 """
 
+from mobility_imu.simulation.sensor import IDEAL, SensorNoise
 from mobility_imu.simulation.wheelchair.chair import SIDES, Leg, Mounting, random_mounting
 from mobility_imu.simulation.wheelchair.court import FINER, SimulatedCourt, simulate_court
 from mobility_imu.simulation.wheelchair.drive import (
     COURT,
-    IDEAL,
     LIKE_SAMPLE,
     STATIC_TRIAL,
     STRAIGHT_TRIAL,
-    SensorNoise,
     SimulatedDrive,
     simulate_drive,
 )

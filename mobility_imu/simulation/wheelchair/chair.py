@@ -6,7 +6,7 @@ rate, and from its geometry.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,10 +15,21 @@ from scipy import integrate
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_number,
+    as_rotation,
+    as_vectors,
+    check_positive,
+    one_of,
+)
 from mobility_imu.recording import Imu
+from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
+from mobility_imu.simulation.checks import check_kind
 from mobility_imu.simulation.profiles import least_jerk, least_jerk_bend, least_jerk_slope
+from mobility_imu.simulation.seeds import stream
 from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry, side_sign
 
 SIDES: tuple[Side, Side] = ("left", "right")
@@ -44,9 +55,18 @@ class Leg:
     yaw_rate_degps: float = 0.0
     slope_deg: float = 0.0
 
+    def __post_init__(self) -> None:
+        """Check every number."""
+        one_of("Leg.task", self.task, range(1, 7))
+        check_positive(self, "duration_s")
+        for name in ("linear_velocity_mps", "yaw_rate_degps", "slope_deg"):
+            as_number(getattr(self, name), f"Leg.{name}", negative=True)
+        if abs(self.slope_deg) > 45:
+            raise InputError(f"Leg.slope_deg = {self.slope_deg:g}: expected up to 45 deg")
 
-@dataclass(frozen=True)
-class Mounting:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mounting(Result):
     """How one IMU sits on its body.
 
     Parameters
@@ -58,15 +78,27 @@ class Mounting:
     rotation_body_to_imu: FloatArray
     position_m: FloatArray
 
+    def __post_init__(self) -> None:
+        """Check both arrays."""
+        rotation = as_rotation(self.rotation_body_to_imu, "rotation_body_to_imu")
+        place = as_vectors(self.position_m, "position_m", ndim=1, finite=True)
+        object.__setattr__(self, "rotation_body_to_imu", rotation)
+        object.__setattr__(self, "position_m", place)
+        super().__post_init__()
+
 
 def random_mounting(seed: int) -> dict[str, Mounting]:
-    """Give the three IMUs any orientation, and places as on a real chair.
+    """Mounting of the three IMUs with any orientation, at places as on a real chair.
 
     Parameters
     ----------
     seed : the same seed gives the same mounting
+
+    Returns
+    -------
+    dict of Mounting by sensor: ``frame``, ``left_wheel``, ``right_wheel``
     """
-    rng = np.random.default_rng(seed)
+    rng = stream(seed)
     places = {
         "frame": (0.10, 0.05, 0.40),
         "left_wheel": (0.04, 0.02, 0.03),
@@ -79,7 +111,24 @@ def random_mounting(seed: int) -> dict[str, Mounting]:
 
 
 def check_legs(legs: Sequence[Leg], transition_s: float) -> None:
+    """Check that there are legs, and that each is long enough for a change.
+
+    Parameters
+    ----------
+    legs : of Leg
+    transition_s : s, length of a change
+
+    Raises
+    ------
+    InputError
+        If there is no leg, a leg is shorter than a change, or the length of a change is no
+        positive number.
+    """
+    as_number(transition_s, "transition_s")
+    if not len(legs):
+        raise InputError("legs: none, expected at least one Leg")
     for leg in legs:
+        check_kind(leg, Leg, "legs")
         if leg.duration_s < transition_s:
             raise InputError(
                 f"leg of {leg.duration_s} s is shorter than a change of {transition_s} s"
@@ -89,7 +138,19 @@ def check_legs(legs: Sequence[Leg], transition_s: float) -> None:
 def stepped(
     values: Sequence[float], ends: FloatArray, time_s: FloatArray, transition_s: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Levels with minimum-jerk changes centred on the ends, and its first two derivatives."""
+    """Levels with minimum-jerk changes centred on the ends, and its first two derivatives.
+
+    Parameters
+    ----------
+    values : k levels
+    ends : (k - 1,) array, s, where one level changes into the next
+    time_s : (n,) array, s
+    transition_s : s, length of a change
+
+    Returns
+    -------
+    three (n,) arrays
+    """
     level = np.full(len(time_s), float(values[0]))
     slope, bend = np.zeros(len(time_s)), np.zeros(len(time_s))
     for end, step in zip(ends, np.diff(values), strict=True):
@@ -126,7 +187,18 @@ def sloping(
     yaw_change: FloatArray,
     pitch: tuple[FloatArray, FloatArray, FloatArray],
 ) -> ChairMotion:
-    """Motion with the nose raised by a pitch (with its two derivatives), the axle level."""
+    """Motion with the nose raised by a pitch (with its two derivatives), the axle level.
+
+    Parameters
+    ----------
+    velocity, acceleration : (n,) arrays, m/s and m/s², along the chair's x
+    yaw, yaw_change : (n,) arrays, rad/s and rad/s², about the chair's z
+    pitch : three (n,) arrays, rad, rad/s, rad/s²
+
+    Returns
+    -------
+    ChairMotion
+    """
     angle, angle_change, angle_bend = pitch
     # Heading about the vertical, then pitch: the chair's x shares in the heading's rate.
     roll = yaw * np.tan(angle)
@@ -149,7 +221,37 @@ def sloping(
     )
 
 
+def check_mounting(mounting: Mapping[str, Mounting]) -> None:
+    """Check that each of the three IMUs has its mounting.
+
+    Parameters
+    ----------
+    mounting : sensor to Mounting
+
+    Raises
+    ------
+    InputError
+        If one is missing or is no Mounting.
+    """
+    check_kind(mounting, Mapping, "mounting")
+    for name in ("frame", *(f"{side}_wheel" for side in SIDES)):
+        if name not in mounting:
+            raise InputError(f"mounting: {name!r} is missing, expected a Mounting for it")
+        check_kind(mounting[name], Mounting, f"mounting[{name!r}]")
+
+
 def frame_imu(motion: ChairMotion, mounting: Mounting) -> Imu:
+    """Ideal readings of the IMU on the frame.
+
+    Parameters
+    ----------
+    motion : ChairMotion
+    mounting : Mounting
+
+    Returns
+    -------
+    Imu
+    """
     place = np.broadcast_to(mounting.position_m, motion.rate.shape)
     still = np.zeros_like(place)
     turn = mounting.rotation_body_to_imu.T
@@ -167,6 +269,22 @@ def wheel_imu(
     slip_mps: FloatArray | float = 0.0,
     slip_change_mps2: FloatArray | float = 0.0,
 ) -> Imu:
+    """Ideal readings of the IMU on a wheel.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    motion : ChairMotion
+    geometry : WheelchairGeometry
+    side : "left" or "right"
+    mounting : Mounting
+    toe_rad : rad, the wheel's front points inward by this
+    slip_mps, slip_change_mps2 : (n,) arrays, m/s and m/s², the rim's speed beyond rolling
+
+    Returns
+    -------
+    Imu
+    """
     sign = side_sign(side)
     contact = np.array([0.0, sign * geometry.track_m / 2, 0.0])
     radius = getattr(geometry.wheel_radius_m, side)
@@ -201,4 +319,5 @@ def _specific_force(
     """Specific force at a place that moves in the chair's frame; chair components, (n, 3)."""
     around = np.cross(motion.rate, place)
     carried = np.cross(motion.rate_change, place) + np.cross(motion.rate, around)
-    return carried + 2 * np.cross(motion.rate, drift) + drift_change + motion.force
+    coriolis = 2 * np.cross(motion.rate, drift)
+    return np.asarray(carried + coriolis + drift_change + motion.force)

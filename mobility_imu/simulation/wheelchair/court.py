@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
-from mobility_imu.recording import Recording
+from mobility_imu.frames import FloatArray, as_count, as_number
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.simulation.checks import check_kind
 from mobility_imu.simulation.sensor import SensorModel, measure
 from mobility_imu.simulation.wheelchair.chair import (
     SIDES,
+    ChairMotion,
     Leg,
     Mounting,
     check_legs,
+    check_mounting,
     frame_imu,
     sloping,
     stepped,
@@ -24,7 +28,7 @@ from mobility_imu.simulation.wheelchair.chair import (
 )
 from mobility_imu.simulation.wheelchair.drive import SimulatedDrive
 from mobility_imu.simulation.wheelchair.pushing import Pushing, SlipEpisode, pushed
-from mobility_imu.wheelchair.geometry import WheelchairGeometry
+from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,7 +37,7 @@ if TYPE_CHECKING:
 FINER = 4
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SimulatedCourt(SimulatedDrive):
     """A court with its truth: that of a drive, and what only a court has.
 
@@ -53,12 +57,12 @@ class SimulatedCourt(SimulatedDrive):
     push_onset_s: FloatArray
 
     @property
-    def slipping(self) -> np.ndarray:
+    def slipping(self) -> NDArray[np.bool_]:
         """Where at least one wheel slips, (n,) of bool."""
-        return (self.slip_left_mps != 0) | (self.slip_right_mps != 0)
+        return np.asarray((self.slip_left_mps != 0) | (self.slip_right_mps != 0))
 
     def truth(self) -> pd.DataFrame:
-        """Give the truth as the velocity and task tables name it, and the slip of each wheel."""
+        """Table of the truth as of a drive, and the slip of each wheel."""
         return (
             super()
             .truth()
@@ -69,7 +73,7 @@ class SimulatedCourt(SimulatedDrive):
 def simulate_court(
     legs: Sequence[Leg],
     geometry: WheelchairGeometry,
-    mounting: dict[str, Mounting],
+    mounting: Mapping[str, Mounting],
     *,
     seed: int,
     unit_seed: int = 0,
@@ -96,7 +100,7 @@ def simulate_court(
     slips : episodes of slip; those of one wheel add up
     toe_rad : rad, both wheels' fronts point inward by this
     pushing : Pushing; its default values if None
-    model : SensorModel; None for ideal sensors
+    model : SensorModel; None for ideal sensors, whose samples are exact
     sampling_rate_hz : Hz
     transition_s : s, length of a change of yaw rate or slope
 
@@ -107,9 +111,17 @@ def simulate_court(
     Raises
     ------
     InputError
-        If a leg is shorter than a change or too short to brake in, or the model loses samples.
+        If there is no leg, a leg is shorter than a change or too short to brake in, the mounting
+        of a sensor is missing, the model loses samples, a number is out of its range, or a seed
+        is negative or not whole.
     """
     check_legs(legs, transition_s)
+    check_mounting(mounting)
+    check_kind(geometry, WheelchairGeometry, "geometry")
+    sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+    if abs(as_number(toe_rad, "toe_rad", negative=True)) > np.pi / 4:
+        raise InputError(f"toe_rad = {toe_rad:g}: expected up to pi/4 (in deg?)")
+    seeds = as_count(seed, "seed", least=0), as_count(unit_seed, "unit_seed", least=0)
     if model is not None and model.dropped_share:
         raise InputError(
             f"dropped_share = {model.dropped_share}: the three sensors need one clock, expected 0"
@@ -118,20 +130,10 @@ def simulate_court(
     # A sensor model samples by itself, out of something faster.
     finer = 1 if model is None else FINER
     time_s = np.arange((count - 1) * finer + 1) / (sampling_rate_hz * finer)
-    velocity, acceleration, onsets = pushed(legs, pushing or Pushing(), time_s)
-    ends = np.cumsum([leg.duration_s for leg in legs])[:-1]
-    rates = [np.deg2rad(leg.yaw_rate_degps) for leg in legs]
-    inside = _changes_inside_turns(rates, ends, transition_s)
-    yaw, yaw_change, _ = stepped(rates, inside, time_s, transition_s)
-    pitch = stepped([np.deg2rad(leg.slope_deg) for leg in legs], ends, time_s, transition_s)
-    motion = sloping(velocity, acceleration, yaw, yaw_change, pitch)
-
+    motion, pitch, onsets = _motion(legs, pushing or Pushing(), time_s, transition_s)
+    rim = {side: _slipped(slips, side, time_s) for side in SIDES}
     imus = {"frame": frame_imu(motion, mounting["frame"])}
-    slipped = {}
     for side in SIDES:
-        profiles = [slip.profile(time_s) for slip in slips if slip.side == side]
-        total, change = np.sum(profiles, axis=0) if profiles else np.zeros((2, len(time_s)))
-        slipped[side] = total[::finer]
         imus[f"{side}_wheel"] = wheel_imu(
             time_s,
             motion,
@@ -139,34 +141,70 @@ def simulate_court(
             side,
             mounting[f"{side}_wheel"],
             toe_rad=toe_rad,
-            slip_mps=total,
-            slip_change_mps2=change,
+            slip_mps=rim[side][0],
+            slip_change_mps2=rim[side][1],
         )
     if model is not None:
-        for k, (name, imu) in enumerate(imus.items()):
-            assert imu.gyr_radps is not None
-            imus[name] = measure(
-                time_s,
-                imu.acc_mps2,
-                imu.gyr_radps,
-                model,
-                sampling_rate_hz=sampling_rate_hz,
-                seed=3 * seed + k,
-                unit_seed=3 * unit_seed + k,
-            ).imu
+        imus = _measured(time_s, imus, model, sampling_rate_hz, seeds)
     stated = time_s[::finer]
+    ends = np.cumsum([leg.duration_s for leg in legs])[:-1]
     task = np.array([leg.task for leg in legs], np.int8)
     return SimulatedCourt(
         recording=Recording(stated, imus, source="simulated wheelchair court"),
-        linear_velocity_mps=velocity[::finer],
-        yaw_rate_radps=yaw[::finer],
+        linear_velocity_mps=motion.velocity[::finer],
+        yaw_rate_radps=motion.yaw[::finer],
         task=task[np.searchsorted(ends, stated, side="right")],
-        acceleration_mps2=acceleration[::finer],
-        slip_left_mps=slipped["left"],
-        slip_right_mps=slipped["right"],
-        pitch_rad=pitch[0][::finer],
+        acceleration_mps2=motion.acceleration[::finer],
+        slip_left_mps=rim["left"][0][::finer],
+        slip_right_mps=rim["right"][0][::finer],
+        pitch_rad=pitch[::finer],
         push_onset_s=onsets,
     )
+
+
+def _motion(
+    legs: Sequence[Leg], pushing: Pushing, time_s: FloatArray, transition_s: float
+) -> tuple[ChairMotion, FloatArray, FloatArray]:
+    """Motion of the chair, its pitch (n,), rad, and the push onsets (k,), s."""
+    velocity, acceleration, onsets = pushed(legs, pushing, time_s)
+    ends = np.cumsum([leg.duration_s for leg in legs])[:-1]
+    rates = [np.deg2rad(leg.yaw_rate_degps) for leg in legs]
+    inside = _changes_inside_turns(rates, ends, transition_s)
+    yaw, yaw_change, _ = stepped(rates, inside, time_s, transition_s)
+    pitch = stepped([np.deg2rad(leg.slope_deg) for leg in legs], ends, time_s, transition_s)
+    return sloping(velocity, acceleration, yaw, yaw_change, pitch), pitch[0], onsets
+
+
+def _slipped(
+    slips: Sequence[SlipEpisode], side: Side, time_s: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Excess speed of one wheel's rim and its change; the episodes add up."""
+    profiles = [slip.profile(time_s) for slip in slips if slip.side == side]
+    speed, change = np.sum(profiles, axis=0) if profiles else np.zeros((2, len(time_s)))
+    return speed, change
+
+
+def _measured(
+    time_s: FloatArray,
+    imus: Mapping[str, Imu],
+    model: SensorModel,
+    sampling_rate_hz: float,
+    seeds: tuple[int, int],
+) -> dict[str, Imu]:
+    """Readings of the three sensors through a sensor model; seeds of power-up and unit."""
+    readings = {}
+    for k, (name, imu) in enumerate(imus.items()):
+        assert imu.gyr_radps is not None
+        readings[name] = measure(
+            time_s,
+            imu.acc_mps2,
+            imu.gyr_radps,
+            model,
+            sampling_rate_hz=sampling_rate_hz,
+            seed=3 * seeds[0] + k,
+            unit_seed=3 * seeds[1] + k,
+        ).imu
+    return readings
 
 
 def _changes_inside_turns(

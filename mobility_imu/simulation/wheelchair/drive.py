@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
-from mobility_imu.recording import Imu, Recording
+from mobility_imu.frames import FloatArray, as_number
+from mobility_imu.recording import Recording
+from mobility_imu.results import Result
+from mobility_imu.simulation.checks import check_kind
+from mobility_imu.simulation.seeds import stream
+from mobility_imu.simulation.sensor import IDEAL, SensorModel, SensorNoise
 from mobility_imu.simulation.wheelchair.chair import (
     SIDES,
     ChairMotion,
     Leg,
     Mounting,
     check_legs,
+    check_mounting,
     frame_imu,
     sloping,
     stepped,
@@ -52,31 +58,13 @@ STATIC_TRIAL = (Leg(1, 3.0),)
 STRAIGHT_TRIAL = (Leg(1, 1.0), Leg(2, 5.0, 1.2), Leg(1, 1.0))
 
 
-@dataclass(frozen=True)
-class SensorNoise:
-    """White noise and constant bias of the simulated IMUs, the same size on every axis.
-
-    Parameters
-    ----------
-    acc_sd_mps2, gyr_sd_radps : standard deviation of each sample
-    acc_bias_sd_mps2, gyr_bias_sd_radps : standard deviation of the bias drawn per sensor and axis
-    """
-
-    acc_sd_mps2: float
-    gyr_sd_radps: float
-    acc_bias_sd_mps2: float
-    gyr_bias_sd_radps: float
-
-
-IDEAL = SensorNoise(0.0, 0.0, 0.0, 0.0)
-
 # The size of what the three sensors of WheelMove-ID's sample show in its static trial.
 LIKE_SAMPLE = SensorNoise(0.02, 0.003, 0.02, 0.003)
 
 
-@dataclass(frozen=True)
-class SimulatedDrive:
-    """A recording and the truth it was made from.
+@dataclass(frozen=True, eq=False, repr=False)
+class SimulatedDrive(Result):
+    """A recording and the truth that it was simulated from.
 
     Parameters
     ----------
@@ -90,10 +78,10 @@ class SimulatedDrive:
     recording: Recording
     linear_velocity_mps: FloatArray
     yaw_rate_radps: FloatArray
-    task: np.ndarray
+    task: NDArray[np.int8]
 
     def truth(self) -> pd.DataFrame:
-        """Give the truth as the velocity and task tables name it."""
+        """Table of the truth, columns as the velocity and task tables have them."""
         import pandas as pd
 
         return pd.DataFrame(
@@ -109,10 +97,10 @@ class SimulatedDrive:
 def simulate_drive(
     legs: Sequence[Leg],
     geometry: WheelchairGeometry,
-    mounting: dict[str, Mounting],
+    mounting: Mapping[str, Mounting],
     *,
     seed: int,
-    noise: SensorNoise = LIKE_SAMPLE,
+    noise: SensorNoise | SensorModel = LIKE_SAMPLE,
     sampling_rate_hz: float = 100.0,
     transition_s: float = 0.8,
     push_share: float = 0.08,
@@ -126,10 +114,11 @@ def simulate_drive(
     geometry : WheelchairGeometry
     mounting : of ``frame``, ``left_wheel``, ``right_wheel``
     seed : for the noise; the same seed gives the same bytes
-    noise : SensorNoise
+    noise : SensorNoise, or :data:`~mobility_imu.simulation.sensor.IDEAL` for none. Other sensor
+        models need samples that are finer than the recording's: see :func:`simulate_court`
     sampling_rate_hz : Hz
     transition_s : s, length of a change
-    push_share : speed swings by this share of itself with each push
+    push_share : speed swings by this fraction of itself with each push, from 0 to below 1
     push_rate_hz : pushes per second
 
     Returns
@@ -139,9 +128,22 @@ def simulate_drive(
     Raises
     ------
     InputError
-        If a leg is shorter than a change.
+        If there is no leg, a leg is shorter than a change or slopes, the mounting of a sensor is
+        missing, a number is out of its range, or the seed is negative or not whole.
     """
     check_legs(legs, transition_s)
+    check_mounting(mounting)
+    check_kind(geometry, WheelchairGeometry, "geometry")
+    sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+    if as_number(push_share, "push_share", zero=True) >= 1:
+        raise InputError(f"push_share = {push_share:g}: expected from 0 to below 1")
+    as_number(push_rate_hz, "push_rate_hz")
+    if noise == IDEAL:
+        noise = SensorNoise()
+    if not isinstance(noise, SensorNoise):
+        raise InputError(
+            f"noise = {noise!r:.60}: expected SensorNoise or IDEAL; simulate_court takes any model"
+        )
     for leg in legs:
         if leg.slope_deg:
             raise InputError(f"slope_deg = {leg.slope_deg:g}: this drive is on a flat floor")
@@ -159,20 +161,20 @@ def simulate_drive(
     velocity = speed * swing
     acceleration = speed_change * swing + speed * push_share * turn * np.cos(turn * time_s)
     motion = _flat(velocity, acceleration, yaw, yaw_change)
-    rng = np.random.default_rng(seed)
+    rng = stream(seed)
     sensors = {"frame": frame_imu(motion, mounting["frame"])}
     for side in SIDES:
         sensors[f"{side}_wheel"] = wheel_imu(
             time_s, motion, geometry, side, mounting[f"{side}_wheel"]
         )
-    sensors = {name: _add_noise(imu, noise, rng) for name, imu in sensors.items()}
+    sensors = {name: noise.added_to(imu, rng) for name, imu in sensors.items()}
     recording = Recording(time_s, sensors, source="simulated wheelchair")
     return SimulatedDrive(recording, velocity, yaw, _tasks(legs, ends, time_s, transition_s))
 
 
 def _tasks(
     legs: Sequence[Leg], ends: FloatArray, time_s: FloatArray, transition_s: float
-) -> np.ndarray:
+) -> NDArray[np.int8]:
     task = np.full(len(time_s), legs[0].task, np.int8)
     for end, before, after in zip(ends, legs[:-1], legs[1:], strict=True):
         at = end
@@ -189,14 +191,3 @@ def _flat(
 ) -> ChairMotion:
     level = np.zeros_like(velocity)
     return sloping(velocity, acceleration, yaw, yaw_change, (level, level, level))
-
-
-def _add_noise(imu: Imu, noise: SensorNoise, rng: np.random.Generator) -> Imu:
-    assert imu.gyr_radps is not None
-    shape = imu.acc_mps2.shape
-    acc_bias = noise.acc_bias_sd_mps2 * rng.standard_normal(3)
-    gyr_bias = noise.gyr_bias_sd_radps * rng.standard_normal(3)
-    return Imu(
-        imu.acc_mps2 + acc_bias + noise.acc_sd_mps2 * rng.standard_normal(shape),
-        imu.gyr_radps + gyr_bias + noise.gyr_sd_radps * rng.standard_normal(shape),
-    )

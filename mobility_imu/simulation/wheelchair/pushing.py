@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, as_number, check_positive
 from mobility_imu.simulation.profiles import cosine_ramp, cosine_ramp_integral
 from mobility_imu.simulation.wheelchair.chair import Leg
 from mobility_imu.wheelchair.geometry import Side, side_sign
@@ -16,7 +16,7 @@ from mobility_imu.wheelchair.geometry import Side, side_sign
 
 @dataclass(frozen=True)
 class Pushing:
-    """How a user drives: velocity cycles of a push and a stretch of coasting.
+    """How a user drives: velocity cycles of a push and an interval of coasting.
 
     Parameters
     ----------
@@ -34,17 +34,15 @@ class Pushing:
     braking_mps2: float = 2.0
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be."""
-        for name, value in vars(self).items():
-            if not (np.isfinite(value) and value > 0):
-                raise InputError(f"{name} = {value}: expected a positive number")
+        """Check every size."""
+        check_positive(self)
         if self.push_s >= self.cycle_s:
             raise InputError(f"push_s = {self.push_s}: expected less than cycle_s = {self.cycle_s}")
 
 
 @dataclass(frozen=True)
 class SlipEpisode:
-    """A stretch in which one wheel does not roll.
+    """An interval in which one wheel does not roll.
 
     Parameters
     ----------
@@ -62,14 +60,23 @@ class SlipEpisode:
     rise_s: float = 0.15
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be."""
+        """Check side, times and speed."""
         side_sign(self.side)
-        for name in ("duration_s", "rise_s"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"{name} = {getattr(self, name)}: expected a positive number")
+        check_positive(self, "duration_s", "rise_s")
+        for name in ("start_s", "peak_mps"):
+            as_number(getattr(self, name), f"SlipEpisode.{name}", negative=True)
 
     def profile(self, time_s: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Give the rim's excess speed, m/s, and its change, m/s²."""
+        """Excess speed of the rim, m/s, and its change, m/s².
+
+        Parameters
+        ----------
+        time_s : (n,) array, s
+
+        Returns
+        -------
+        two (n,) arrays
+        """
         rise = min(self.rise_s, self.duration_s / 2)
         since, left = time_s - self.start_s, self.start_s + self.duration_s - time_s
         u = np.clip(np.minimum(since, left) / rise, 0, 1)
@@ -81,61 +88,90 @@ class SlipEpisode:
 def pushed(
     legs: Sequence[Leg], pushing: Pushing, time_s: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Speed, acceleration and push onsets of a drive in velocity cycles."""
-    velocity, acceleration = np.zeros(len(time_s)), np.zeros(len(time_s))
-    onsets: list[float] = []
-    speed, start = 0.0, 0.0
+    """Speed, acceleration and push onsets of a drive in velocity cycles.
 
-    def bump(begin: float, duration: float, gain: float) -> None:
-        nonlocal speed
-        u = np.clip((time_s - begin) / duration, 0, 1)
-        velocity[:] += gain * (u - np.sin(2 * np.pi * u) / (2 * np.pi))
-        acceleration[:] += gain / duration * (1 - np.cos(2 * np.pi * u))
-        speed += gain
+    Parameters
+    ----------
+    legs : of Leg
+    pushing : Pushing
+    time_s : (n,) array, s
 
-    def coast(begin: float, duration: float) -> None:
-        """Rolling resistance; it cannot turn the motion round."""
-        nonlocal speed
-        if duration <= 0 or speed == 0:
-            return
-        loss = -np.sign(speed) * min(pushing.coasting_mps2 * duration, abs(speed))
-        # Ramps in and out, so that the acceleration stays continuous.
-        edge = min(0.1, duration / 3)
-        rise, fall = (time_s - begin) / edge, (time_s - begin - duration + edge) / edge
-        rate = loss / (duration - edge)
-        acceleration[:] += rate * (cosine_ramp(rise) - cosine_ramp(fall))
-        velocity[:] += rate * edge * (cosine_ramp_integral(rise) - cosine_ramp_integral(fall))
-        speed += loss
+    Returns
+    -------
+    (n,) array, m/s; (n,) array, m/s²; (k,) array, s
 
+    Raises
+    ------
+    InputError
+        If a leg before a rest is too short to brake in.
+    """
+    cycles = _Cycles(pushing, time_s)
+    start = 0.0
     for leg, following in zip(legs, [*legs[1:], None], strict=True):
-        target, end = leg.linear_velocity_mps, start + leg.duration_s
+        cycles.drive_leg(leg, following, start)
+        start += leg.duration_s
+    return cycles.velocity, cycles.acceleration, np.array(cycles.onsets)
+
+
+class _Cycles:
+    """Speed and acceleration that pushes, coasting and brakes add up to, from rest."""
+
+    def __init__(self, pushing: Pushing, time_s: FloatArray) -> None:
+        self.pushing, self.time_s = pushing, time_s
+        self.velocity, self.acceleration = np.zeros(len(time_s)), np.zeros(len(time_s))
+        self.onsets: list[float] = []
+        self.speed = 0.0
+
+    def drive_leg(self, leg: Leg, following: Leg | None, start: float) -> None:
+        """Add one leg: brake to its speed if it is slower, push and coast, brake at its end."""
+        pushing, target, end = self.pushing, leg.linear_velocity_mps, start + leg.duration_s
         now = start
-        if target == 0 and speed != 0:
+        if target == 0 and self.speed != 0:
             raise InputError(
-                f"leg at {start:g} s: the chair still rolls at {speed:.2f} m/s, expected a rest; "
-                "the leg before is too short to brake"
+                f"leg at {start:g} s: the chair still rolls at {self.speed:.2f} m/s, expected a "
+                "rest; the leg before is too short to brake"
             )
         # Braking into a rest, or before going the other way, belongs to this leg.
         stops = following is None or following.linear_velocity_mps * target <= 0
         brake_s = max(2 * abs(target) / pushing.braking_mps2, 0.3) if stops and target else 0.0
-        if target * np.sign(speed) < abs(speed) - 0.3 and speed != 0:
-            slower = target - speed
-            bump(now, max(abs(slower) / pushing.braking_mps2, 0.3), slower)
-            now += max(abs(slower) / pushing.braking_mps2, 0.3)
+        if target * np.sign(self.speed) < abs(self.speed) - 0.3 and self.speed != 0:
+            slower = target - self.speed
+            slowing_s = max(abs(slower) / pushing.braking_mps2, 0.3)
+            self.bump(now, slowing_s, slower)
+            now += slowing_s
         while target and now + pushing.push_s <= end - brake_s + 1e-9:
             until = min(now + pushing.cycle_s, end - brake_s)
             # Half of what the coasting will take on top of the target.
             wanted = abs(target) + pushing.coasting_mps2 * (until - now - pushing.push_s) / 2
-            gain = min(wanted - abs(speed), pushing.strongest_mps2 * pushing.push_s)
+            gain = min(wanted - abs(self.speed), pushing.strongest_mps2 * pushing.push_s)
             if gain > 0:
-                onsets.append(now)
-                bump(now, pushing.push_s, np.sign(target) * gain)
-            coast(now + pushing.push_s, until - now - pushing.push_s)
+                self.onsets.append(now)
+                self.bump(now, pushing.push_s, np.sign(target) * gain)
+            self.coast(now + pushing.push_s, until - now - pushing.push_s)
             now = until
         if target:
-            coast(now, end - brake_s - now)
-            if brake_s and speed:
-                bump(end - brake_s, brake_s, -speed)
-                speed = 0.0
-        start = end
-    return velocity, acceleration, np.array(onsets)
+            self.coast(now, end - brake_s - now)
+            if brake_s and self.speed:
+                self.bump(end - brake_s, brake_s, -self.speed)
+                self.speed = 0.0
+
+    def bump(self, begin: float, duration: float, gain: float) -> None:
+        """Add a push or a brake: acceleration as a squared sine."""
+        u = np.clip((self.time_s - begin) / duration, 0, 1)
+        self.velocity += gain * (u - np.sin(2 * np.pi * u) / (2 * np.pi))
+        self.acceleration += gain / duration * (1 - np.cos(2 * np.pi * u))
+        self.speed += gain
+
+    def coast(self, begin: float, duration: float) -> None:
+        """Add rolling resistance; it cannot turn the motion round."""
+        if duration <= 0 or self.speed == 0:
+            return
+        loss = -np.sign(self.speed) * min(self.pushing.coasting_mps2 * duration, abs(self.speed))
+        # Ramps in and out, so that the acceleration stays continuous.
+        edge = min(0.1, duration / 3)
+        rise = (self.time_s - begin) / edge
+        fall = (self.time_s - begin - duration + edge) / edge
+        rate = loss / (duration - edge)
+        self.acceleration += rate * (cosine_ramp(rise) - cosine_ramp(fall))
+        self.velocity += rate * edge * (cosine_ramp_integral(rise) - cosine_ramp_integral(fall))
+        self.speed += loss

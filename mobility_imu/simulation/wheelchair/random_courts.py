@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mobility_imu.errors import InputError
+from mobility_imu.frames import as_count, as_number
+from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.sensor import SensorModel
 from mobility_imu.simulation.wheelchair.chair import Leg, Mounting, random_mounting
 from mobility_imu.simulation.wheelchair.court import SimulatedCourt, simulate_court
@@ -17,7 +20,7 @@ from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry
 
 @dataclass(frozen=True)
 class Court:
-    """All that a court is made from; every drive of it has the same chair and sensors.
+    """All that a court consists of; every drive of it has the same chair and sensors.
 
     Parameters
     ----------
@@ -36,13 +39,31 @@ class Court:
     def drive(
         self, model: SensorModel | None = None, *, sampling_rate_hz: float = 100.0
     ) -> SimulatedCourt:
-        """Drive the court."""
+        """Drive the court.
+
+        Parameters
+        ----------
+        model, sampling_rate_hz : as in :func:`simulate_court`
+
+        Returns
+        -------
+        SimulatedCourt
+        """
         return self._record(self.legs, self.slips, 0, model, sampling_rate_hz)
 
     def calibration_trials(
         self, model: SensorModel | None = None, *, sampling_rate_hz: float = 100.0
     ) -> tuple[SimulatedCourt, SimulatedCourt]:
-        """Record the static and the straight-line trial with the same chair and sensors."""
+        """Record the static and the straight-line trial with the same chair and sensors.
+
+        Parameters
+        ----------
+        model, sampling_rate_hz : as in :func:`simulate_court`
+
+        Returns
+        -------
+        two SimulatedCourt
+        """
         return (
             self._record(STATIC_TRIAL, (), 1, model, sampling_rate_hz),
             self._record(STRAIGHT_TRIAL, (), 2, model, sampling_rate_hz),
@@ -89,8 +110,18 @@ def random_court(
     Returns
     -------
     Court
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range, or the seed is negative or not whole.
     """
-    rng = np.random.default_rng([seed, 17])
+    slips = as_count(slips, "slips", least=0)
+    if not as_number(both_wheels_share, "both_wheels_share", zero=True) <= 1:
+        raise InputError(f"both_wheels_share = {both_wheels_share:g}: expected from 0 to 1")
+    if not as_number(largest_toe_rad, "largest_toe_rad", zero=True) <= np.pi / 4:
+        raise InputError(f"largest_toe_rad = {largest_toe_rad:g}: expected up to pi/4 (in deg?)")
+    rng = stream(seed, 17)
     radius = rng.uniform(0.28, 0.33)
     geometry = WheelchairGeometry(
         camber_rad=float(np.deg2rad(rng.uniform(0, 24))),
@@ -98,6 +129,24 @@ def random_court(
         wheel_radius_right_m=float(radius * rng.uniform(0.99, 1.01)),
         track_m=float(rng.uniform(0.70, 0.95)),
     )
+    legs = _drawn_legs(rng)
+    return Court(
+        legs=legs,
+        geometry=geometry,
+        mounting=random_mounting(seed),
+        slips=_drawn_slips(legs, slips, both_wheels_share, rng),
+        toe_rad=float(rng.uniform(-largest_toe_rad, largest_toe_rad)),
+        pushing=Pushing(
+            push_s=float(rng.uniform(0.3, 0.45)),
+            cycle_s=float(rng.uniform(0.8, 1.3)),
+            coasting_mps2=float(rng.uniform(0.1, 0.25)),
+        ),
+        seed=seed,
+    )
+
+
+def _drawn_legs(rng: np.random.Generator) -> tuple[Leg, ...]:
+    """All six tasks in any order, turns to both sides, rests where they are needed."""
     rest = Leg(1, 1.5)
 
     def turn(task: int, side: int) -> tuple[Leg, ...]:
@@ -111,12 +160,17 @@ def random_court(
     parts += [(Leg(2, rng.uniform(3, 6), rng.uniform(0.9, 2.5)),) for _ in range(4)]
     parts += [(rest, Leg(3, rng.uniform(3, 4), -rng.uniform(0.6, 1.2)), rest) for _ in range(2)]
     order = rng.permutation(len(parts))
-    legs = (Leg(1, 2.0), *(leg for k in order for leg in parts[k]), Leg(1, 2.0))
+    return (Leg(1, 2.0), *(leg for k in order for leg in parts[k]), Leg(1, 2.0))
 
+
+def _drawn_slips(
+    legs: Sequence[Leg], most: int, both_wheels_share: float, rng: np.random.Generator
+) -> tuple[SlipEpisode, ...]:
+    """At most one episode in each leg that rolls, or one of both wheels together."""
     starts = np.cumsum([0, *(leg.duration_s for leg in legs[:-1])])
     rolling = [k for k, leg in enumerate(legs) if leg.linear_velocity_mps]
     episodes: list[SlipEpisode] = []
-    for k in rng.choice(rolling, min(slips, len(rolling)), replace=False):
+    for k in rng.choice(rolling, min(most, len(rolling)), replace=False):
         leg, duration = legs[k], rng.uniform(0.2, 1.0)
         begin = starts[k] + rng.uniform(0.3, leg.duration_s - duration - 0.3)
         speed = leg.linear_velocity_mps
@@ -130,16 +184,4 @@ def random_court(
             other: Side = "right" if first == "left" else "left"
             alike = peak * float(rng.uniform(0.8, 1.2))
             episodes.append(SlipEpisode(other, float(begin), float(duration), alike, rise))
-    return Court(
-        legs=legs,
-        geometry=geometry,
-        mounting=random_mounting(seed),
-        slips=tuple(episodes),
-        toe_rad=float(rng.uniform(-largest_toe_rad, largest_toe_rad)),
-        pushing=Pushing(
-            push_s=float(rng.uniform(0.3, 0.45)),
-            cycle_s=float(rng.uniform(0.8, 1.3)),
-            coasting_mps2=float(rng.uniform(0.1, 0.25)),
-        ),
-        seed=seed,
-    )
+    return tuple(episodes)

@@ -1,0 +1,87 @@
+"""Checks of the simulators' settings that no other room needs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import as_number
+
+
+def check_range(value: Any, name: str, *, most: float = np.inf) -> None:
+    """Check that a value is a range of positive numbers, (low, high).
+
+    Parameters
+    ----------
+    value : what was given
+    name : what to call it in the error message
+    most : largest high end
+
+    Raises
+    ------
+    InputError
+        If it is no pair of numbers with 0 < low <= high <= most.
+    """
+    limit = f" <= {most:g}" if np.isfinite(most) else ""
+    fits = isinstance(value, tuple | list) and len(value) == 2
+    if fits:
+        low, high = (as_number(end, name) for end in value)
+        fits = low <= high <= most
+    if not fits:
+        raise InputError(f"{name} = {value!r}: expected (low, high) with 0 < low <= high{limit}")
+
+
+def check_ranges(style: Any) -> None:
+    """Check that each field of a style is a range or a positive number, as its default is.
+
+    Parameters
+    ----------
+    style : dataclass with defaults, in its ``__post_init__``
+    """
+    for field in fields(style):
+        value = getattr(style, field.name)
+        if isinstance(field.default, tuple):
+            check_range(value, field.name)
+        else:
+            as_number(value, field.name)
+
+
+def check_triple(value: Any, name: str) -> None:
+    """Check that a value is a sequence of three numbers, such as a place.
+
+    Parameters
+    ----------
+    value : what was given
+    name : what to call it in the error message
+
+    Raises
+    ------
+    InputError
+        If it is none.
+    """
+    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str) or len(value) != 3:
+        raise InputError(f"{name} = {value!r:.60}: expected three numbers")
+    for axis, number in zip("xyz", value, strict=True):
+        as_number(number, f"{name}, {axis}", negative=True)
+
+
+def check_kind(value: Any, kind: type, name: str) -> None:
+    """Check that an argument is of a class, so that arguments in a wrong order are seen.
+
+    Parameters
+    ----------
+    value : what was given
+    kind : class that is expected
+    name : what to call it in the error message
+
+    Raises
+    ------
+    InputError
+        If it is something else.
+    """
+    if not isinstance(value, kind):
+        raise InputError(f"{name} = {value!r:.60}: expected {kind.__name__}")
