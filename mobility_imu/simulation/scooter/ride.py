@@ -35,7 +35,7 @@ from mobility_imu.simulation.scooter.parts import (
 )
 from mobility_imu.simulation.scooter.reference import read_reference
 from mobility_imu.simulation.seeds import stream
-from mobility_imu.simulation.sensor import LPMS_CU2, SensorModel, measure
+from mobility_imu.simulation.sensor import LPMS_CU2, SensorModel, SensorOutput, measure
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -144,18 +144,26 @@ def simulate_ride(
             seed=2 * seed + k,
             unit_seed=2 * unit.unit_seed + k,
         )
-    body = outputs["body"]
     wires = read_reference(fast, reference or Reference(), sampling_rate_hz, rng)
+    return _as_ride(course, outputs, wires, time_s, fast)
+
+
+def _as_ride(
+    course: Course,
+    outputs: dict[str, SensorOutput],
+    wires: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+    time_s: FloatArray,
+    fast: ScooterMotion,
+) -> SimulatedRide:
+    """Readings of the IMUs and of the reference with the truth at the IMUs' samples."""
+    body = outputs["body"]
 
     def at_samples(values: FloatArray) -> FloatArray:
         return np.interp(body.true_time_s, time_s, values)
 
+    imus = {name: output.imu for name, output in outputs.items()}
     return SimulatedRide(
-        Recording(
-            body.time_s,
-            {name: output.imu for name, output in outputs.items()},
-            source=f"simulated ride, {course.name}",
-        ),
+        Recording(body.time_s, imus, source=f"simulated ride, {course.name}"),
         at_samples(fast.steering_rad),
         at_samples(fast.throttle_rad),
         *wires,
