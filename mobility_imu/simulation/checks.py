@@ -84,4 +84,5 @@ def check_kind(value: Any, kind: type, name: str) -> None:
         If it is something else.
     """
     if not isinstance(value, kind):
-        raise InputError(f"{name} = {value!r:.60}: expected {kind.__name__}")
+        shown = " ".join(repr(value).split())
+        raise InputError(f"{name} = {shown:.60}: expected {kind.__name__}")

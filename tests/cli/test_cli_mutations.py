@@ -25,8 +25,6 @@ from command_lines import (
 )
 from test_cli_inputs import SCOOTER_MOUNT
 
-from mobility_imu.cli.simulate import PARKED_POSES_DEG
-
 COUNT = int(os.environ.get("MOBILITY_IMU_MUTATIONS", "200"))
 SETTINGS = '{"freqAcq": 100, "inptSegmentsec": 0.25, "seuilVitLinAbs": 0.5, "segment_s": 0.25}'
 POSES = "steering_deg,throttle_deg\n50,0\n50,40\n0,40\n0,0\n-50,0\n-50,40\n"
@@ -76,8 +74,7 @@ def valid(tmp_path_factory):
 
     unit = draw_scooter(1)
     ride = simulate_ride(COURSES["curves"], seed=1, unit=unit).recording.trim(0, 4)
-    poses = [tuple(np.deg2rad(pose)) for pose in PARKED_POSES_DEG]
-    parked = simulate_parked(poses, pitch_rad=0.1, bank_rad=0.0, seed=1, unit=unit)
+    parked = simulate_parked(pitch_rad=0.1, bank_rad=0.0, seed=1, unit=unit)
     for name, recording in (("ride", ride), ("parked", parked)):
         table = recording.to_frame()
         table.to_csv(room / f"{name}.csv", index=False, float_format="%.5f")

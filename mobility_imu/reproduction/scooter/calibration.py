@@ -11,13 +11,16 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.frames import FloatArray
 from mobility_imu.scooter.calibration import ScooterMounting, calibrate_mounting, parked_poses
 from mobility_imu.scooter.geometry import SUZUKI_ET4D
-from mobility_imu.simulation.scooter import ScooterUnit, draw_scooter, simulate_parked
+from mobility_imu.simulation.scooter import (
+    PARKED_POSES_RAD,
+    ScooterUnit,
+    draw_scooter,
+    simulate_parked,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
 
-POSES_DEG = ((50.0, 0.0), (50.0, 40.0), (0.0, 40.0), (0.0, 0.0), (-50.0, 0.0), (-50.0, 40.0))
-"""Steering at both locks and straight, lever released and pressed, in an order that is quick."""
 PLACES_DEG = {
     "level": ((0.2, 0.1),),
     "level + ramp": ((0.2, 0.1), (5.0, 0.0)),
@@ -34,13 +37,16 @@ def park_and_calibrate(unit: ScooterUnit, places: str) -> ScooterMounting:
     unit : ScooterUnit
     places : a name in :data:`PLACES_DEG`
     """
-    settings = [(float(s), float(t)) for s, t in np.deg2rad(POSES_DEG)]
     poses = []
     for k, (pitch, bank) in enumerate(np.deg2rad(PLACES_DEG[places])):
         parked = simulate_parked(
-            settings, pitch_rad=pitch, bank_rad=bank, seed=100 * unit.unit_seed + k, unit=unit
+            PARKED_POSES_RAD,
+            pitch_rad=pitch,
+            bank_rad=bank,
+            seed=100 * unit.unit_seed + k,
+            unit=unit,
         )
-        poses += parked_poses(parked, settings)
+        poses += parked_poses(parked, PARKED_POSES_RAD)
     return calibrate_mounting(poses, SUZUKI_ET4D)
 
 

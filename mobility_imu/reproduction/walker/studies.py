@@ -19,16 +19,18 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.reproduction.walker.tables import POSES, pose_mount
-from mobility_imu.simulation.sensor import MTI_1, SensorModel, without
+from mobility_imu.simulation import levels as levels_of_simulation
+from mobility_imu.simulation.levels import DATASHEET as DATASHEET
+from mobility_imu.simulation.levels import FOOTPRINT as FOOTPRINT
+from mobility_imu.simulation.levels import tilt_run as tilt_run
+from mobility_imu.simulation.levels import unit_of as unit_of
 from mobility_imu.simulation.walker import (
     PERFECT,
-    REALISTIC,
     Imperfections,
     Leg,
     SimulatedWalker,
     WalkerMotion,
     attach_imu,
-    measured_geometry,
     simulate_tilts,
     simulate_walk,
 )
@@ -38,7 +40,7 @@ from mobility_imu.walker.calibration import (
     calibrate_from_path,
     navigate_recording,
 )
-from mobility_imu.walker.geometry import WalkerGeometry, WalkerMount
+from mobility_imu.walker.geometry import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, NavigationSettings
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.trajectory import trajectory_from_path
@@ -46,16 +48,12 @@ from mobility_imu.walker.trajectory import trajectory_from_path
 if TYPE_CHECKING:
     import pandas as pd
 
-FOOTPRINT = WalkerGeometry(footprint_width_m=0.60, footprint_length_m=0.52)
-"""Footprint of the simulated frame. That is an assumption; the paper gives none, standard frames
-have it, and the positions of Table 1 fit into it."""
-
 _DEG = float(np.deg2rad(1))
 
 
 @dataclass(frozen=True)
-class Level:
-    """What goes wrong in a simulation.
+class Level(levels_of_simulation.Level):
+    """What goes wrong in a simulation, and the settings that its recordings are judged with.
 
     Parameters
     ----------
@@ -65,20 +63,15 @@ class Level:
     navigation : NavigationSettings of the filter
     """
 
-    sensor: SensorModel
-    imperfections: Imperfections = PERFECT
     stillness: StillnessSettings = field(default_factory=StillnessSettings)
     navigation: NavigationSettings = field(default_factory=NavigationSettings)
 
 
-DATASHEET = without(MTI_1, "scale_sd", "misalignment_sd_rad", "g_sensitivity_sd")
 LEVELS = {
-    "data sheet": Level(DATASHEET),
-    "sensor": Level(MTI_1),
-    "realistic": Level(MTI_1, REALISTIC),
+    name: Level(level.sensor, level.imperfections)
+    for name, level in levels_of_simulation.LEVELS.items()
 }
-"""Noise and bias of the data sheet; with errors of scale, axes and g-sensitivity; and with a frame
-that slips, twists, trembles, rocks, creeps and lands hard."""
+"""The levels of :mod:`mobility_imu.simulation.levels`, judged with the standard settings."""
 
 
 class Variant(NamedTuple):
@@ -133,21 +126,6 @@ PAPERS_WAY = tuple(
 )
 """The filter alone. Method 1 as printed, the same without roots (for runs in which eq. 15 has no
 real root), and method 2 as printed, its velocity taken at 3 deg."""
-
-
-def tilt_run(
-    seed: int, pose: str, level: Level, motion: Any = None
-) -> tuple[SimulatedWalker, WalkerGeometry]:
-    """Simulated calibration recording of a pose, and the footprint as the tape has it."""
-    motion = motion or simulate_tilts(FOOTPRINT, seed=seed, imperfections=level.imperfections)
-    unit = unit_of(seed, pose)
-    run = attach_imu(motion, pose_mount(pose), level.sensor, seed=unit, unit_seed=unit)
-    return run, measured_geometry(FOOTPRINT, level.imperfections, seed)
-
-
-def unit_of(seed: int, pose: str) -> int:
-    """Seed of the sensor that records a pose."""
-    return 10 * seed + int(pose)
 
 
 def calibration_study(

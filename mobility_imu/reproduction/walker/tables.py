@@ -123,7 +123,16 @@ def pose_mount(pose: str) -> WalkerMount:
 
     That is our choice, an assumption: the rotation of :func:`repaired_rotation` with the position
     by the paper's first method. Nobody measured the true ones, and the second method's positions
-    lie 0.14 m away on average.
+    lie 0.14 m away on average. Simulations take the same from
+    :data:`mobility_imu.simulation.levels.MOUNTS`.
+
+    Parameters
+    ----------
+    pose : "1" to "5"
+
+    Returns
+    -------
+    WalkerMount
     """
     return WalkerMount(repaired_rotation(pose), pose_translation(pose, 1))
 

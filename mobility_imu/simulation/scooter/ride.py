@@ -113,6 +113,8 @@ def simulate_ride(
         or the seed is negative or not whole.
     """
     check_kind(course, Course, "course")
+    check_kind(geometry, ScooterGeometry, "geometry")
+    check_kind(sensor, SensorModel, "sensor")
     sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
     if sensor.dropped_share > 0 or sensor.clock_jitter_s > 0:
         raise InputError(

@@ -215,19 +215,19 @@ class WalkerMotion(Result):
     @cached_property
     def velocity_mps(self) -> FloatArray:
         """Velocity of the body's origin in the world, (m, 3), m/s."""
-        return np.gradient(self.position_m, 1 / FAST_HZ, axis=0)
+        return _read_only(np.gradient(self.position_m, 1 / FAST_HZ, axis=0))
 
     @cached_property
     def rate_radps(self) -> FloatArray:
         """Angular rate in the body's axes, (m, 3), rad/s."""
-        return angular_rates(self.rotation_body_to_world, 1 / FAST_HZ)
+        return _read_only(angular_rates(self.rotation_body_to_world, 1 / FAST_HZ))
 
     @cached_property
     def specific_force_mps2(self) -> FloatArray:
         """Specific force at the body's origin in the body's axes, (m, 3), m/s²."""
         force = second_derivative(self.position_m, 1 / FAST_HZ)
         force[:, 2] += STANDARD_GRAVITY_MPS2
-        return np.asarray(np.einsum("nij,ni->nj", self.rotation_body_to_world, force))
+        return _read_only(np.einsum("nij,ni->nj", self.rotation_body_to_world, force))
 
     @cached_property
     def arm_per_s2(self) -> FloatArray:
@@ -237,7 +237,12 @@ class WalkerMotion(Result):
         path is linear in its place, this is the same as differentiating that path twice.
         """
         turning = second_derivative(self.rotation_body_to_world, 1 / FAST_HZ)
-        return np.swapaxes(self.rotation_body_to_world, 1, 2) @ turning
+        return _read_only(np.swapaxes(self.rotation_body_to_world, 1, 2) @ turning)
+
+
+def _read_only(values: FloatArray) -> FloatArray:
+    values.setflags(write=False)
+    return values
 
 
 def fast_clock(end_s: float) -> FloatArray:

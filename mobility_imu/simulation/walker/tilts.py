@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.simulation.checks import check_ranges
+from mobility_imu.simulation.checks import check_kind, check_ranges
 from mobility_imu.simulation.profiles import least_jerk, window
 from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.walker.motion import (
@@ -82,8 +82,9 @@ def simulate_tilts(
     Raises
     ------
     InputError
-        If there is no tilt, or a direction is unknown.
+        If there is no tilt, a direction is unknown, or the seed is negative or not whole.
     """
+    check_kind(geometry, WalkerGeometry, "geometry")
     style = style or TiltStyle()
     if isinstance(order, str) or not len(order):
         raise InputError(f"order = {order!r}: expected at least one direction in a sequence")

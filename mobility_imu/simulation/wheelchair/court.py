@@ -122,10 +122,7 @@ def simulate_court(
     if abs(as_number(toe_rad, "toe_rad", negative=True)) > np.pi / 4:
         raise InputError(f"toe_rad = {toe_rad:g}: expected up to pi/4 (in deg?)")
     seeds = as_count(seed, "seed", least=0), as_count(unit_seed, "unit_seed", least=0)
-    if model is not None and model.dropped_share:
-        raise InputError(
-            f"dropped_share = {model.dropped_share}: the three sensors need one clock, expected 0"
-        )
+    _check_model(model)
     count = round(sum(leg.duration_s for leg in legs) * sampling_rate_hz)
     # A sensor model samples by itself, out of something faster.
     finer = 1 if model is None else FINER
@@ -160,6 +157,16 @@ def simulate_court(
         pitch_rad=pitch[::finer],
         push_onset_s=onsets,
     )
+
+
+def _check_model(model: SensorModel | None) -> None:
+    if model is None:
+        return
+    check_kind(model, SensorModel, "model")
+    if model.dropped_share:
+        raise InputError(
+            f"dropped_share = {model.dropped_share}: the three sensors need one clock, expected 0"
+        )
 
 
 def _motion(

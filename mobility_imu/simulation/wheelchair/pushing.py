@@ -103,7 +103,7 @@ def pushed(
     Raises
     ------
     InputError
-        If a leg before a rest is too short to brake in.
+        If a leg before a rest, or before the other way, is too short to brake in.
     """
     cycles = _Cycles(pushing, time_s)
     start = 0.0
@@ -126,11 +126,6 @@ class _Cycles:
         """Add one leg: brake to its speed if it is slower, push and coast, brake at its end."""
         pushing, target, end = self.pushing, leg.linear_velocity_mps, start + leg.duration_s
         now = start
-        if target == 0 and self.speed != 0:
-            raise InputError(
-                f"leg at {start:g} s: the chair still rolls at {self.speed:.2f} m/s, expected a "
-                "rest; the leg before is too short to brake"
-            )
         # Braking into a rest, or before going the other way, belongs to this leg.
         stops = following is None or following.linear_velocity_mps * target <= 0
         brake_s = max(2 * abs(target) / pushing.braking_mps2, 0.3) if stops and target else 0.0
@@ -139,6 +134,11 @@ class _Cycles:
             slowing_s = max(abs(slower) / pushing.braking_mps2, 0.3)
             self.bump(now, slowing_s, slower)
             now += slowing_s
+        if brake_s > end - now + 1e-9:
+            raise InputError(
+                f"leg at {start:g} s: {end - now:.2f} s are too short to brake in from "
+                f"{abs(target):g} m/s, expected {brake_s:.2f} s or more"
+            )
         while target and now + pushing.push_s <= end - brake_s + 1e-9:
             until = min(now + pushing.cycle_s, end - brake_s)
             # Half of what the coasting will take on top of the target.
