@@ -13,7 +13,7 @@ import numpy as np
 from plain_tasks import plain_tasks
 
 from mobility_imu.simulation.wheelchair import COURT, IDEAL, random_mounting, simulate_drive
-from mobility_imu.wheelchair import TaskSettings, WheelchairGeometry, identify_tasks
+from mobility_imu.wheelchair import SAMPLE_CHAIR, TaskSettings, identify_tasks
 
 RATE_HZ = 100
 SETTINGS = TaskSettings()  # segments of 25 frames
@@ -25,10 +25,7 @@ NEEDED_US_PER_FRAME = 0.5
 
 def drive(frames):
     """Velocity and yaw rate of a chair on a court, over and over, with measurement noise."""
-    chair = WheelchairGeometry.from_degrees(
-        19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
-    )
-    once = simulate_drive(COURT, chair, random_mounting(1), seed=1, noise=IDEAL)
+    once = simulate_drive(COURT, SAMPLE_CHAIR, random_mounting(1), seed=1, noise=IDEAL)
     rng = np.random.default_rng(1)
     velocity, yaw_rate = (
         np.resize(series, frames) + rng.normal(0, 0.01, frames)

@@ -262,7 +262,7 @@ def read_series(
     """
     from mobility_imu.readers.velocities import read_velocities
     from mobility_imu.wheelchair import TaskSettings
-    from mobility_imu.wheelchair.tasks import read_settings
+    from mobility_imu.wheelchair.settings import read_settings
 
     if settings is None:
         return TaskSettings(), read_velocities(velocity, sampling_rate_hz=sampling_rate_hz)
@@ -306,8 +306,8 @@ def task_table(series: VelocitySeries, codes: Codes, *, direction: bool) -> pd.D
     import numpy as np
     import pandas as pd
 
-    from mobility_imu.outcomes import turn_direction
     from mobility_imu.wheelchair import Task
+    from mobility_imu.wheelchair.outcomes import turn_direction
 
     names = np.array(["", *(task.title for task in Task)])
     table = pd.DataFrame(
@@ -325,7 +325,7 @@ def task_table(series: VelocitySeries, codes: Codes, *, direction: bool) -> pd.D
 
 
 def _events(series: VelocitySeries, codes: Codes) -> pd.DataFrame:
-    from mobility_imu.outcomes import task_events
+    from mobility_imu.wheelchair.outcomes import task_events
 
     return task_events(series.time_s, codes, series.linear_velocity_mps, series.yaw_rate_radps)
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_series
 from mobility_imu.plots.style import COLOURS, HATCHES, use_style
-from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry, side_sign
+from mobility_imu.wheelchair.geometry import SAMPLE_CHAIR, Side, WheelchairGeometry, side_sign
 from mobility_imu.wheelchair.tasks import Task
 
 if TYPE_CHECKING:
@@ -183,9 +183,7 @@ def draw_frames(geometry: WheelchairGeometry | None = None) -> Figure:
     import matplotlib.pyplot as plt
 
     if geometry is None:
-        geometry = WheelchairGeometry.from_degrees(
-            19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
-        )
+        geometry = SAMPLE_CHAIR
     with use_style():
         figure, (rear, top) = plt.subplots(1, 2, figsize=(9.8, 4.8), width_ratios=[1.22, 1])
         _draw_rear(rear, geometry)

@@ -158,6 +158,12 @@ class WheelchairGeometry:
         return np.array([0.0, sign * (self.track_m / 2 - inward), height])
 
 
+SAMPLE_CHAIR = WheelchairGeometry.from_degrees(
+    19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
+)
+"""Chair of WheelMove-ID's public sample, from its file ``Properties.txt``."""
+
+
 def side_sign(side: Side) -> int:
     """+1 for the left wheel (y > 0), -1 for the right one."""
     if side not in ("left", "right"):

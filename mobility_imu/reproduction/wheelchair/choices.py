@@ -8,11 +8,11 @@ from functools import partial
 import numpy as np
 
 from mobility_imu.frames import FloatArray
+from mobility_imu.wheelchair.settings import TaskSettings
 from mobility_imu.wheelchair.tasks import (
     Codes,
     Edge,
     Symbols,
-    TaskSettings,
     curvature_radius,
     find_pattern,
     reduce_variability,

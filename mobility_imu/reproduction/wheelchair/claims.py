@@ -29,10 +29,10 @@ from mobility_imu.reproduction.wheelchair.sample import (
 )
 from mobility_imu.wheelchair.calibration import calibrate
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
+from mobility_imu.wheelchair.settings import TaskSettings
 from mobility_imu.wheelchair.tasks import (
     Symbols,
     Task,
-    TaskSettings,
     find_pattern,
     identify_tasks,
     reduce_variability,

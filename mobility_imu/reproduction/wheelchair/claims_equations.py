@@ -25,7 +25,7 @@ from mobility_imu.reproduction.wheelchair.printed import (
     wheel_rates_printed,
     yaw_rate_printed,
 )
-from mobility_imu.reproduction.wheelchair.sample import SAMPLE_CHAIR, yaw_gain
+from mobility_imu.reproduction.wheelchair.sample import yaw_gain
 from mobility_imu.simulation.wheelchair import (
     IDEAL,
     STATIC_TRIAL,
@@ -41,7 +41,7 @@ from mobility_imu.wheelchair.calibration import (
     realign,
     wheel_alignment_angles,
 )
-from mobility_imu.wheelchair.geometry import DOCUMENT_TO_CHAIR, Side, side_sign
+from mobility_imu.wheelchair.geometry import DOCUMENT_TO_CHAIR, SAMPLE_CHAIR, Side, side_sign
 from mobility_imu.wheelchair.tasks import curvature_radius
 from mobility_imu.wheelchair.velocity import estimate_velocity, wheel_spin_rate
 

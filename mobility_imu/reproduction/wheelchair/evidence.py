@@ -17,7 +17,6 @@ from mobility_imu.reproduction.wheelchair.printed import (
     yaw_rate_printed,
 )
 from mobility_imu.reproduction.wheelchair.sample import (
-    SAMPLE_CHAIR,
     SIGNALS,
     letter_combinations,
     open_combinations,
@@ -27,11 +26,11 @@ from mobility_imu.wheelchair.calibration import (
     frame_alignment_angles,
     wheel_alignment_angles,
 )
-from mobility_imu.wheelchair.geometry import DOCUMENT_TO_CHAIR, Side, side_sign
+from mobility_imu.wheelchair.geometry import DOCUMENT_TO_CHAIR, SAMPLE_CHAIR, Side, side_sign
+from mobility_imu.wheelchair.settings import TaskSettings
 from mobility_imu.wheelchair.tasks import (
     Symbols,
     Task,
-    TaskSettings,
     curvature_radius,
     find_pattern,
     identify_tasks,

@@ -22,13 +22,9 @@ from mobility_imu.readers.velocities import read_velocities
 from mobility_imu.recording import Recording
 from mobility_imu.reproduction.published import load_published
 from mobility_imu.wheelchair.calibration import WheelchairCalibration, calibrate
-from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry
-from mobility_imu.wheelchair.tasks import TaskSettings, identify_tasks
-
-SAMPLE_CHAIR = WheelchairGeometry.from_degrees(
-    19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
-)
-"""The chair of the sample, from its file ``Properties.txt``."""
+from mobility_imu.wheelchair.geometry import Side
+from mobility_imu.wheelchair.settings import TaskSettings
+from mobility_imu.wheelchair.tasks import identify_tasks
 
 SIDES: tuple[Side, Side] = ("left", "right")
 TRIAL_FILES = tuple(

@@ -20,7 +20,6 @@ from mobility_imu.reproduction.wheelchair.choices import frames_changed
 from mobility_imu.reproduction.wheelchair.printed import velocity_printed, wheel_rates_printed
 from mobility_imu.reproduction.wheelchair.sample import (
     LABEL_FILES,
-    SAMPLE_CHAIR,
     SAMPLE_FILES,
     SHIPPED_VELOCITIES,
     SIDES,
@@ -33,6 +32,7 @@ from mobility_imu.reproduction.wheelchair.sample import (
     load_tool_velocities,
     yaw_gain,
 )
+from mobility_imu.wheelchair.geometry import SAMPLE_CHAIR
 from mobility_imu.wheelchair.slip import detect_slip, slip_report, slip_sources, wheel_speeds
 from mobility_imu.wheelchair.tasks import identify_tasks
 from mobility_imu.wheelchair.velocity import Camber, ChairVelocity, estimate_velocity

@@ -22,7 +22,6 @@ from mobility_imu.reproduction.wheelchair.choices import frames_changed, label_s
 from mobility_imu.reproduction.wheelchair.recorded_sample import sample_note, sample_numbers
 from mobility_imu.reproduction.wheelchair.sample import (
     LABEL_FILES,
-    SAMPLE_CHAIR,
     SAMPLE_FILES,
     SHIPPED_VELOCITIES,
     TOOL_VELOCITIES,
@@ -31,7 +30,7 @@ from mobility_imu.reproduction.wheelchair.sample import (
     yaw_gain,
 )
 from mobility_imu.reproduction.wheelchair.sample_study import PARTS, sample_checksum, study
-from mobility_imu.wheelchair import estimate_velocity, identify_tasks
+from mobility_imu.wheelchair import SAMPLE_CHAIR, estimate_velocity, identify_tasks
 from mobility_imu.wheelchair.slip import detect_slip
 from mobility_imu.wheelchair.velocity import printed_yaw_gain
 

@@ -5,7 +5,6 @@ import pytest
 
 from mobility_imu.errors import InputError
 from mobility_imu.filters import moving_average, savitzky_golay
-from mobility_imu.outcomes import PushSettings, detect_pushes, task_events, turn_direction
 from mobility_imu.recording import Recording
 from mobility_imu.simulation.wheelchair import (
     COURT,
@@ -18,6 +17,7 @@ from mobility_imu.simulation.wheelchair import (
     simulate_drive,
 )
 from mobility_imu.wheelchair import (
+    SAMPLE_CHAIR,
     Task,
     WheelchairGeometry,
     calibrate,
@@ -25,6 +25,12 @@ from mobility_imu.wheelchair import (
     identify_tasks,
 )
 from mobility_imu.wheelchair.check import check_geometry
+from mobility_imu.wheelchair.outcomes import (
+    PushSettings,
+    detect_pushes,
+    task_events,
+    turn_direction,
+)
 from mobility_imu.wheelchair.velocity import (
     linear_velocity,
     single_wheel_velocity,
@@ -33,9 +39,7 @@ from mobility_imu.wheelchair.velocity import (
     wheel_yaw_standard_deviation,
 )
 
-CHAIR = WheelchairGeometry.from_degrees(
-    19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
-)
+CHAIR = SAMPLE_CHAIR
 
 
 def drive(geometry=CHAIR, seed=0, noise=LIKE_SAMPLE):

@@ -22,7 +22,7 @@ from mobility_imu.wheelchair import (
     estimate_velocity,
     identify_tasks,
 )
-from mobility_imu.wheelchair.tasks import read_settings
+from mobility_imu.wheelchair.settings import read_settings
 
 CHAIR = WheelchairGeometry.from_degrees(
     15, wheel_radius_left_m=0.31, wheel_radius_right_m=0.31, track_m=0.8

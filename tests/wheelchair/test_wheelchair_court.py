@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.data import SAMPLE_VARIABLE, sample_folder
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
-from mobility_imu.reproduction.wheelchair.sample import SAMPLE_CHAIR, load_sample
+from mobility_imu.reproduction.wheelchair.sample import load_sample
 from mobility_imu.simulation.sensor import MTI_1, SensorModel
 from mobility_imu.simulation.wheelchair import (
     Leg,
@@ -22,7 +22,7 @@ from mobility_imu.simulation.wheelchair import (
     simulate_court,
     simulate_drive,
 )
-from mobility_imu.wheelchair import WheelchairGeometry, calibrate, estimate_velocity
+from mobility_imu.wheelchair import SAMPLE_CHAIR, WheelchairGeometry, calibrate, estimate_velocity
 from mobility_imu.wheelchair.slip import (
     SlipWindows,
     Source,

@@ -1,0 +1,97 @@
+"""Wheelchair: settings of the tasks, and their files."""
+
+import json
+import math
+import re
+import warnings
+
+import numpy as np
+import pytest
+
+from mobility_imu.errors import InputError
+from mobility_imu.wheelchair import (
+    Task,
+    TaskSettings,
+    identify_tasks,
+)
+from mobility_imu.wheelchair.settings import read_settings
+
+
+def test_settings_file_with_the_tools_keys_and_nulls(tmp_path):
+    path = tmp_path / "settings.json"
+    path.write_text(
+        json.dumps(
+            {
+                "freqAcq": 100,
+                "inptSegmentsec": "0.5",
+                "seuilVitLinAbs": 0.6,
+                "seuilVitAngAbs": 30,
+                "seuilRayonMin": None,
+                "seuilRayonMax": 0.7,
+                "newSeuilVitLinAbs": 0.2,
+                "newSeuilVitAngAbs": None,
+            }
+        )
+    )
+    found = read_settings(path)
+    assert found.sampling_rate_hz == 100
+    assert found.settings == TaskSettings(
+        segment_s=0.5,
+        linear_velocity_mps=0.6,
+        yaw_rate_degps=30.0,
+        pivot_radius_m=0.0,
+        wide_radius_m=0.7,
+        onset_velocity_mps=0.2,
+        onset_yaw_rate_degps=0.0,
+    )
+    path.write_text('{"segment_s": 0.4}')
+    assert read_settings(path) == (TaskSettings(segment_s=0.4), None)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('{"seuilVitLin": 0.5}', "seuilVitLin is not a setting.*seuilVitLinAbs"),
+        ('{"seuilVitLinAbs": "fast"}', "seuilVitLinAbs = 'fast', expected a number"),
+        ('{"seuilVitLinAbs": [1]}', "expected a number"),
+        ('{"seuilVitLinAbs": -1}', r"linear_velocity_mps = -1\.0"),
+        ('{"inptSegmentsec": null}', "segment_s = 0"),
+        ('{"seuilRayonMin": 2}', "larger than"),
+        ("[1, 2]", "JSON object"),
+        ("{", "not valid JSON"),
+        ("", "empty"),
+    ],
+)
+def test_bad_settings_file_is_named_with_what_is_wrong(tmp_path, text, message):
+    path = tmp_path / "settings.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message) as error:
+        read_settings(path)
+    assert str(path) in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"segment_s": 0.0},
+        {"segment_s": -1.0},
+        {"linear_velocity_mps": math.inf},
+        {"yaw_rate_degps": math.nan},
+        {"pivot_radius_m": 0.6},
+        {"look_s": "long"},
+    ],
+)
+def test_impossible_settings_are_refused(change):
+    with pytest.raises(InputError, match=next(iter(change))):
+        TaskSettings(**change)
+
+
+def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
+    velocity, yaw_rate = np.ones(500), np.zeros(500)
+    with pytest.warns(UserWarning, match=re.escape("0.25 s is 12.5 frames at 50 Hz")):
+        codes = identify_tasks(velocity, yaw_rate, 50)
+    assert (codes == Task.FORWARD).all()
+    # 0.29 s at 100 Hz is 28.999999999999996 in floating point: whole, no warning
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        identify_tasks(velocity, yaw_rate, 100, TaskSettings(segment_s=0.29))
