@@ -22,3 +22,25 @@ def long_runs(flags: NDArray[np.bool_], shortest: int, *, grow: bool) -> NDArray
     np.add.at(out, starts[long] - grow, 1)
     np.add.at(out, stops[long], -1)
     return np.cumsum(out[:-1]) > 0
+
+
+def changes_of(codes: ArrayLike) -> NDArray[np.intp]:
+    """First sample of each run of equal codes.
+
+    Parameters
+    ----------
+    codes : (n,) array
+
+    Returns
+    -------
+    (k,) array of int; empty for no samples
+
+    Examples
+    --------
+    >>> changes_of([1, 1, 2, 2, 1]).tolist()
+    [0, 2, 4]
+    """
+    values = np.asarray(codes)
+    if not len(values):
+        return np.zeros(0, np.intp)
+    return np.concatenate([[0], np.nonzero(values[1:] != values[:-1])[0] + 1])

@@ -1,23 +1,32 @@
-"""Outcomes of a recording: events of tasks, and pushes."""
+"""Outcomes of a drive: events of tasks, and pushes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import integrate, ndimage, signal
 
-from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_series
-from mobility_imu.wheelchair.tasks import Codes, Task
+from mobility_imu.frames import FloatArray, as_clock, as_number, as_series, check_positive
+from mobility_imu.results import Result
+from mobility_imu.runs import changes_of
+from mobility_imu.wheelchair.codes import Task, as_codes
 
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = [
+    "PushSettings",
+    "Pushes",
+    "detect_pushes",
+    "onset_errors",
+    "task_events",
+    "turn_direction",
+]
 
-def turn_direction(codes: Codes, yaw_rate_radps: ArrayLike) -> NDArray[np.str_]:
+
+def turn_direction(codes: ArrayLike, yaw_rate_radps: ArrayLike) -> NDArray[np.str_]:
     """Direction of each frame's rotation: "left", "right", or "" outside rotations.
 
     A rotation is one direction as a whole, by the sign of the angle it turns through.
@@ -30,9 +39,17 @@ def turn_direction(codes: Codes, yaw_rate_radps: ArrayLike) -> NDArray[np.str_]:
     Returns
     -------
     (n,) array of str
+
+    Raises
+    ------
+    InputError
+        If a code is no task, or the two series differ in length.
     """
+    codes = as_codes(codes)
     yaw = as_series(yaw_rate_radps, "yaw_rate_radps", length=len(codes))
-    starts = np.r_[0, np.nonzero(np.diff(codes))[0] + 1]
+    starts = changes_of(codes)
+    if not len(starts):
+        return np.zeros(0, "<U5")
     turned = np.add.reduceat(yaw, starts)
     way = np.where(codes[starts] < Task.PIVOT, "", np.where(turned > 0, "left", "right"))
     return np.repeat(way, np.diff(np.r_[starts, len(codes)]))
@@ -40,7 +57,7 @@ def turn_direction(codes: Codes, yaw_rate_radps: ArrayLike) -> NDArray[np.str_]:
 
 def task_events(
     time_s: ArrayLike,
-    codes: Codes,
+    codes: ArrayLike,
     linear_velocity_mps: ArrayLike,
     yaw_rate_radps: ArrayLike,
 ) -> pd.DataFrame:
@@ -58,14 +75,22 @@ def task_events(
         ``task``, ``direction``, ``onset_s``, ``end_s`` (first frame after it), ``duration_s``,
         ``distance_m`` (along the path, backward positive too) and ``turn_angle_deg`` (left
         positive).
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two frames, the times are not even, a code is no task, or the
+        series differ in length.
     """
     import pandas as pd
+    from scipy import integrate
 
-    clock = as_series(time_s, "time_s", length=len(codes))
-    velocity = as_series(linear_velocity_mps, "linear_velocity_mps", length=len(codes))
-    yaw = as_series(yaw_rate_radps, "yaw_rate_radps", length=len(codes))
-    step = (clock[-1] - clock[0]) / max(len(clock) - 1, 1)
-    starts = np.r_[0, np.nonzero(np.diff(codes))[0] + 1]
+    clock = as_clock(time_s, even=True)
+    codes = as_codes(codes, length=len(clock))
+    velocity = as_series(linear_velocity_mps, "linear_velocity_mps", length=len(clock))
+    yaw = as_series(yaw_rate_radps, "yaw_rate_radps", length=len(clock))
+    step = (clock[-1] - clock[0]) / (len(clock) - 1)
+    starts = changes_of(codes)
     stops = np.r_[starts[1:], len(codes)]
     path = np.r_[0, integrate.cumulative_trapezoid(np.abs(velocity), dx=step, initial=0)]
     heading = np.r_[0, integrate.cumulative_trapezoid(yaw, dx=step, initial=0)]
@@ -82,8 +107,47 @@ def task_events(
     )
 
 
+def onset_errors(codes: ArrayLike, true_codes: ArrayLike, sampling_rate_hz: float) -> pd.DataFrame:
+    """How far from each true onset the nearest onset of the same task was found.
+
+    Parameters
+    ----------
+    codes : (n,) array of task codes that were found
+    true_codes : (n,) array of task codes that were driven
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    DataFrame
+        one row per true run of a task but the first: ``task``, ``true_onset_s`` from the first
+        frame, and ``error_s``, found minus true; NaN if that task was not found at all
+
+    Raises
+    ------
+    InputError
+        If a code is no task, or the two series differ in length.
+
+    Examples
+    --------
+    >>> onset_errors([1, 1, 1, 2], [1, 1, 2, 2], 100).to_dict("records")
+    [{'task': 'forward propulsion', 'true_onset_s': 0.02, 'error_s': 0.01}]
+    """
+    import pandas as pd
+
+    truth = as_codes(true_codes, "true_codes")
+    found = as_codes(codes, length=len(truth))
+    fs = as_number(sampling_rate_hz, "sampling_rate_hz")
+    onsets = changes_of(found)
+    rows = []
+    for start in changes_of(truth)[1:]:
+        same = onsets[found[onsets] == truth[start]]
+        nearest = same[np.argmin(np.abs(same - start))] if len(same) else np.nan
+        rows.append((Task(int(truth[start])).title, start / fs, (nearest - start) / fs))
+    return pd.DataFrame(rows, columns=["task", "true_onset_s", "error_s"])
+
+
 FLAT_S = 0.4
-"""Seconds at one speed that make a low a rest, at whose end the push then begins."""
+"""A minimum that lasts longer than this (s) is a pause; the push starts at its end."""
 
 
 @dataclass(frozen=True)
@@ -102,24 +166,42 @@ class PushSettings:
     shortest_cycle_s: float = 0.35
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be a setting."""
-        for name, value in vars(self).items():
-            if not np.isfinite(value) or value <= 0:
-                raise InputError(f"{name} = {value}: expected a positive number")
+        """Check the numbers."""
+        check_positive(self)
 
 
-class Pushes(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class Pushes(Result):
     """Pushes of a drive: when they begin, when the speed peaks, and what they gain.
 
     Parameters
     ----------
     onset_s, peak_s : (k,) arrays, s
     speed_gain_mps : (k,) array, m/s
+    settings : PushSettings that were used
     """
 
     onset_s: FloatArray
     peak_s: FloatArray
     speed_gain_mps: FloatArray
+    settings: PushSettings = field(default_factory=PushSettings)
+
+    def __len__(self) -> int:
+        """Return the number of pushes."""
+        return len(self.onset_s)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Table with one row per push.
+
+        Returns
+        -------
+        DataFrame
+            ``onset_s``, ``peak_s`` and ``speed_gain_mps``
+        """
+        import pandas as pd
+
+        names = ("onset_s", "peak_s", "speed_gain_mps")
+        return pd.DataFrame({name: getattr(self, name) for name in names})
 
     @property
     def frequency_hz(self) -> float:
@@ -132,26 +214,35 @@ class Pushes(NamedTuple):
 def detect_pushes(
     time_s: ArrayLike, linear_velocity_mps: ArrayLike, settings: PushSettings | None = None
 ) -> Pushes:
-    """Find pushes as rises of the forward speed.
+    """Pushes, found as rises of the forward speed.
 
-    An onset is a low of the smoothed speed from which it rises by the smallest gain or more; the
-    peak is the next high. Only forward motion counts.
+    An onset is a minimum of the smoothed speed from which it rises by the smallest gain or more;
+    the peak is the next maximum. Only forward motion counts.
 
     Parameters
     ----------
     time_s : (n,) array, s, even
     linear_velocity_mps : (n,) array, m/s
-    settings : PushSettings
+    settings : PushSettings; the defaults if None
 
     Returns
     -------
     Pushes
+        none where the recording is too short for one
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two samples, the times are not even, or the series differ in
+        length.
     """
+    from scipy import ndimage, signal
+
     settings = settings or PushSettings()
-    velocity = as_series(linear_velocity_mps, "linear_velocity_mps")
-    clock = as_series(time_s, "time_s", length=len(velocity))
+    clock = as_clock(time_s, even=True)
+    velocity = as_series(linear_velocity_mps, "linear_velocity_mps", length=len(clock))
     if len(clock) < 3:
-        return Pushes(*(np.empty(0) for _ in range(3)))
+        return Pushes(np.empty(0), np.empty(0), np.empty(0), settings)
     fs = (len(clock) - 1) / (clock[-1] - clock[0])
     smooth = ndimage.gaussian_filter1d(velocity, settings.smoothing_s * fs, mode="nearest")
     peaks, _ = signal.find_peaks(
@@ -163,7 +254,7 @@ def detect_pushes(
     onsets, tops = [], []
     last = 0
     for peak in peaks:
-        # The low before it; on a flat rest the rise begins where the rest ends.
+        # The minimum before it; after a pause the rise begins where the pause ends.
         low = last + int(np.argmin(smooth[last : peak + 1]))
         floor = smooth[low] + 0.05 * (smooth[peak] - smooth[low])
         near = last + np.nonzero(smooth[last : peak + 1] <= floor)[0]
@@ -174,4 +265,4 @@ def detect_pushes(
             tops.append(int(peak))
         last = int(peak)
     at = np.array(onsets, int), np.array(tops, int)
-    return Pushes(clock[at[0]], clock[at[1]], smooth[at[1]] - smooth[at[0]])
+    return Pushes(clock[at[0]], clock[at[1]], smooth[at[1]] - smooth[at[0]], settings)

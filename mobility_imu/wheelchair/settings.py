@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
-import json
-import warnings
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import NamedTuple
 
 from mobility_imu.errors import InputError
-from mobility_imu.readers.table import read_text
+from mobility_imu.frames import as_number, check_positive
+from mobility_imu.readers.clocks import check_rate
+from mobility_imu.readers.settings import read_json_numbers
+from mobility_imu.readers.wording import listed
+
+__all__ = ["SettingsFile", "TaskSettings", "read_settings"]
+
+MAY_BE_ZERO = (
+    "pivot_radius_m",
+    "wide_radius_m",
+    "onset_velocity_mps",
+    "onset_yaw_rate_degps",
+    "look_s",
+)
+MOST_FRAMES = 10**9
+"""No recording is longer: a segment of more frames comes from a wrong unit."""
 
 
 @dataclass(frozen=True)
@@ -50,11 +61,7 @@ class TaskSettings:
 
     def __post_init__(self) -> None:
         """Check each value."""
-        for name, value in asdict(self).items():
-            if not isinstance(value, int | float) or not np.isfinite(value) or value < 0:
-                raise InputError(f"{name} = {value!r}: expected a positive number")
-            if value == 0 and name in ("segment_s", "linear_velocity_mps", "yaw_rate_degps"):
-                raise InputError(f"{name} = 0: expected a positive number")
+        check_positive(self, allow_zero=MAY_BE_ZERO)
         if self.pivot_radius_m > self.wide_radius_m:
             raise InputError(
                 f"pivot_radius_m = {self.pivot_radius_m} is larger than "
@@ -62,24 +69,55 @@ class TaskSettings:
             )
 
     def frames(self, sampling_rate_hz: float) -> tuple[int, int]:
-        """Length of a segment and of the look window, in frames.
+        """Length of a segment and of the look window.
 
-        A segment that is no whole number of frames is rounded, with a warning (the public tool
-        goes on with the fraction and labels most frames wrongly).
+        A segment that is no whole number of frames is rounded (:meth:`rounding` tells of it; the
+        public tool goes on with the fraction and labels most frames wrongly).
+
+        Parameters
+        ----------
+        sampling_rate_hz : Hz
+
+        Returns
+        -------
+        segment, look : frames
+
+        Raises
+        ------
+        InputError
+            If a segment is shorter than a frame, or no recording is as long.
         """
+        rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+        for name, seconds in (("segment_s", self.segment_s), ("look_s", self.look_s)):
+            if not seconds * rate <= MOST_FRAMES:
+                raise InputError(
+                    f"{name} = {seconds:g}: more than {MOST_FRAMES:.0e} frames at {rate:g} Hz; "
+                    "is it in s?"
+                )
+        segment = round(self.segment_s * rate)
+        if segment < 1:
+            raise InputError(f"segment_s = {self.segment_s} is less than one frame at {rate:g} Hz")
+        return segment, round(self.look_s * rate)
+
+    def rounding(self, sampling_rate_hz: float) -> tuple[str, ...]:
+        """Warning that a segment is no whole number of frames, if it is none.
+
+        Parameters
+        ----------
+        sampling_rate_hz : Hz
+
+        Returns
+        -------
+        tuple of one sentence, or empty
+        """
+        count, _ = self.frames(sampling_rate_hz)
         exact = self.segment_s * sampling_rate_hz
-        count = round(exact)
-        if count < 1:
-            raise InputError(
-                f"segment_s = {self.segment_s} is less than one frame at {sampling_rate_hz:g} Hz"
-            )
-        if abs(exact - count) > 1e-6 * exact:
-            warnings.warn(
-                f"segment of {self.segment_s} s is {exact:g} frames at {sampling_rate_hz:g} Hz: "
-                f"rounded to {count}",
-                stacklevel=3,
-            )
-        return count, round(self.look_s * sampling_rate_hz)
+        if abs(exact - count) <= 1e-6 * exact:
+            return ()
+        return (
+            f"segment of {self.segment_s} s is {exact:g} frames at {sampling_rate_hz:g} Hz: "
+            f"rounded to {count}",
+        )
 
 
 # The tool's keys; freqAcq stands beside them.
@@ -95,43 +133,54 @@ _TOOL_KEYS = {
 
 
 class SettingsFile(NamedTuple):
-    """Settings of a JSON file, and the sampling rate if it states one."""
+    """Settings of a JSON file, and the sampling rate if it states one.
+
+    Parameters
+    ----------
+    settings : TaskSettings
+    sampling_rate_hz : Hz, or None
+    """
 
     settings: TaskSettings
     sampling_rate_hz: float | None
 
 
 def read_settings(path: str | Path) -> SettingsFile:
-    """Read settings from JSON, with the public tool's keys or with ours.
+    """Settings from a JSON file, with the public tool's keys or with ours.
 
     The tool writes a zero as null: null is read as 0.
+
+    Parameters
+    ----------
+    path : JSON file of one object of numbers; ``freqAcq`` is the sampling rate in Hz
+
+    Returns
+    -------
+    SettingsFile
 
     Raises
     ------
     InputError
-        If it is not a JSON object of numbers, or has an unknown key.
+        If it is not a JSON object of numbers, has an unknown key or two keys for one setting, a
+        value is impossible, or the sampling rate is none that a sensor has.
     """
-    try:
-        content: Any = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}: not valid JSON ({error})") from None
-    if not isinstance(content, dict):
-        raise InputError(f"{path}: expected a JSON object of settings")
-    values: dict[str, float] = {}
-    rate = None
+    numbers = {
+        key: 0.0 if value is None else value for key, value in read_json_numbers(path).items()
+    }
+    rate = numbers.pop("freqAcq", None)
+    if rate is not None:
+        check_rate(rate, f"{path}: freqAcq")
     ours = set(TaskSettings.__dataclass_fields__)
-    for key, raw in content.items():
-        try:
-            value = 0.0 if raw is None else float(raw)
-        except (TypeError, ValueError):
-            raise InputError(f"{path}: {key} = {raw!r}, expected a number") from None
-        if key == "freqAcq":
-            rate = value
-        elif key in _TOOL_KEYS or key in ours:
-            values[_TOOL_KEYS.get(str(key), str(key))] = value
-        else:
-            known = ", ".join([*_TOOL_KEYS, "freqAcq"])
-            raise InputError(f"{path}: {key} is not a setting (known: {known})")
+    unknown = [key for key in numbers if key not in _TOOL_KEYS and key not in ours]
+    if unknown:
+        known = ", ".join([*_TOOL_KEYS, "freqAcq"])
+        raise InputError(f"{path}: {listed(unknown)} is not a setting (known: {known})")
+    values: dict[str, float] = {}
+    for key, value in numbers.items():
+        name = _TOOL_KEYS.get(key, key)
+        if name in values:
+            raise InputError(f"{path}: {key} gives {name} a second time")
+        values[name] = value
     try:
         return SettingsFile(TaskSettings(**values), rate)
     except InputError as error:

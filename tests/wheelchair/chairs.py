@@ -15,7 +15,7 @@ from mobility_imu.simulation.wheelchair import (
 )
 from mobility_imu.wheelchair import (
     WheelchairGeometry,
-    calibrate,
+    calibrate_mount,
 )
 
 # A few roundings of numbers of size 1 to 10.
@@ -59,7 +59,7 @@ def trials(geometry, seed, legs=BOTH_WAYS, noise=IDEAL, sampling_rate_hz=100.0, 
 
 
 def calibrated(static, straight, _=None):
-    return calibrate(static.recording, straight.recording)
+    return calibrate_mount(static.recording, straight.recording)
 
 
 CHAIRS = [

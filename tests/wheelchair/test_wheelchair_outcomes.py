@@ -19,10 +19,11 @@ from mobility_imu.simulation.wheelchair import (
 from mobility_imu.wheelchair import (
     SAMPLE_CHAIR,
     Task,
+    VelocitySettings,
     WheelchairGeometry,
-    calibrate,
+    calibrate_mount,
     estimate_velocity,
-    identify_tasks,
+    task_codes,
 )
 from mobility_imu.wheelchair.check import check_geometry
 from mobility_imu.wheelchair.outcomes import (
@@ -48,7 +49,7 @@ def drive(geometry=CHAIR, seed=0, noise=LIKE_SAMPLE):
         simulate_drive(legs, geometry, mounting, seed=10 * seed + k, noise=noise)
         for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
     ]
-    return trials[2], calibrate(trials[0].recording, trials[1].recording)
+    return trials[2], calibrate_mount(trials[0].recording, trials[1].recording)
 
 
 @pytest.fixture(scope="module")
@@ -72,8 +73,8 @@ def changed(**values):
 
 class TestGeometryCheck:
     def test_right_geometry_passes(self, court):
-        found = check_geometry(court[0].recording, court[1], CHAIR)
-        assert found.messages == ()
+        found = check_geometry(court[0].recording, CHAIR, court[1].mount)
+        assert found.warnings == ()
         assert found.yaw_gain_left == pytest.approx(1, abs=0.002)
         assert found.yaw_gain_right == pytest.approx(1, abs=0.002)
         assert found.track_m == pytest.approx(0.84, abs=3 * found.track_sd_m)
@@ -81,25 +82,27 @@ class TestGeometryCheck:
         assert found.camber_rad == pytest.approx(CHAIR.camber_rad, abs=found.camber_sd_rad)
 
     def test_wrong_track_is_named_with_its_size(self, court):
-        found = check_geometry(court[0].recording, court[1], changed(track_m=0.86))
+        found = check_geometry(court[0].recording, changed(track_m=0.86), court[1].mount)
         assert found.track_m == pytest.approx(0.84, abs=0.002)
-        (message,) = found.messages
+        (message,) = found.warnings
         assert "0.840 m, not 0.860 m" in message and "-0.020 m" in message
 
     def test_both_radii_too_large(self, court):
         wrong = changed(wheel_radius_left_m=0.3147 * 1.03, wheel_radius_right_m=0.3195 * 1.03)
-        (message,) = check_geometry(court[0].recording, court[1], wrong).messages
+        (message,) = check_geometry(court[0].recording, wrong, court[1].mount).warnings
         assert "both radii should be -2.9%" in message  # 1 / 1.03
 
     def test_one_radius_wrong(self, court):
         wrong = changed(wheel_radius_right_m=0.3195 * 0.99)
-        found = check_geometry(court[0].recording, court[1], wrong)
+        found = check_geometry(court[0].recording, wrong, court[1].mount)
         assert found.radius_ratio == pytest.approx(1 / 0.99, abs=0.002)
-        assert any("right radius over the left" in message for message in found.messages)
+        assert any("right radius over the left" in message for message in found.warnings)
 
     def test_wrong_camber_shows_across_the_axles(self, court):
-        found = check_geometry(court[0].recording, court[1], changed(camber_rad=np.deg2rad(12)))
-        assert any("camber of 19.0 deg, not 12.0 deg" in message for message in found.messages)
+        found = check_geometry(
+            court[0].recording, changed(camber_rad=np.deg2rad(12)), court[1].mount
+        )
+        assert any("camber of 19.0 deg, not 12.0 deg" in message for message in found.warnings)
 
     def test_swapped_wheels(self, court):
         def swap(recording):
@@ -119,14 +122,14 @@ class TestGeometryCheck:
             for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL))
         )
         found = check_geometry(
-            swap(court[0].recording), calibrate(swap(static), swap(straight)), CHAIR
+            swap(court[0].recording), CHAIR, calibrate_mount(swap(static), swap(straight)).mount
         )
-        assert "swapped" in found.messages[0]
+        assert "swapped" in found.warnings[0]
 
     def test_without_turns_nothing_can_be_said(self, court):
         straight = simulate_drive(STRAIGHT_TRIAL, CHAIR, random_mounting(0), seed=1).recording
         with pytest.raises(InputError, match="s of turning"):
-            check_geometry(straight, court[1], CHAIR)
+            check_geometry(straight, CHAIR, court[1].mount)
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
@@ -137,7 +140,7 @@ def test_one_wheel_and_the_frame_are_enough(side, camber_deg):
     )
     trial, calibration = drive(geometry, noise=IDEAL)
     gyr = trial.recording.sensors[f"{side}_wheel"].gyr_radps
-    axle = gyr @ calibration.rotation_imu_to_wheel(side)[2]
+    axle = gyr @ calibration.mount.rotation_imu_to_wheel(side)[2]
     velocity = single_wheel_velocity(axle, trial.yaw_rate_radps, geometry, side=side)
     assert np.abs(velocity - trial.linear_velocity_mps).max() < 1e-9
 
@@ -153,14 +156,15 @@ def test_a_missing_wheel_sensor(missing):
         simulate_drive(legs, CHAIR, mounting, seed=k, noise=IDEAL)
         for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
     )
-    calibration = calibrate(static.recording, without(straight.recording))
+    calibration = calibrate_mount(static.recording, without(straight.recording))
     trial = without(court.recording)
-    with pytest.warns(UserWarning, match="slip cannot be seen"):
-        found = estimate_velocity(trial, calibration, CHAIR)
+    assert f"no sensor on the {missing.removesuffix('_wheel')} wheel" in calibration.warnings[0]
+    found = estimate_velocity(trial, CHAIR, calibration.mount)
+    assert "slip cannot be seen" in found.warnings[0]
     assert np.abs(found.linear_velocity_mps - court.linear_velocity_mps).max() < 1e-9
     assert not found.slip.any()
     with pytest.raises(InputError, match="needs both wheels"):
-        estimate_velocity(trial, calibration, CHAIR, camber="printed")
+        estimate_velocity(trial, CHAIR, calibration.mount, VelocitySettings(form="printed"))
 
 
 def test_swapped_wheels_are_refused():
@@ -174,7 +178,7 @@ def test_swapped_wheels_are_refused():
         for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
     )
     with pytest.raises(InputError, match="swapped"):
-        estimate_velocity(court, calibrate(static, straight), CHAIR)
+        estimate_velocity(court, CHAIR, calibrate_mount(static, straight).mount)
 
 
 def test_standard_deviations_by_monte_carlo():
@@ -228,7 +232,7 @@ class TestFilters:
 class TestEvents:
     def test_events_tile_the_trial_and_add_up(self, court):
         trial = court[0]
-        codes = identify_tasks(trial.linear_velocity_mps, trial.yaw_rate_radps, 100)
+        codes = task_codes(trial.linear_velocity_mps, trial.yaw_rate_radps, 100)
         table = task_events(
             trial.recording.time_s, codes, trial.linear_velocity_mps, trial.yaw_rate_radps
         )

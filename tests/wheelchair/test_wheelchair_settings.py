@@ -2,8 +2,6 @@
 
 import json
 import math
-import re
-import warnings
 
 import numpy as np
 import pytest
@@ -12,9 +10,9 @@ from mobility_imu.errors import InputError
 from mobility_imu.wheelchair import (
     Task,
     TaskSettings,
-    identify_tasks,
 )
 from mobility_imu.wheelchair.settings import read_settings
+from mobility_imu.wheelchair.tasks import task_steps
 
 
 def test_settings_file_with_the_tools_keys_and_nulls(tmp_path):
@@ -23,7 +21,7 @@ def test_settings_file_with_the_tools_keys_and_nulls(tmp_path):
         json.dumps(
             {
                 "freqAcq": 100,
-                "inptSegmentsec": "0.5",
+                "inptSegmentsec": 0.5,
                 "seuilVitLinAbs": 0.6,
                 "seuilVitAngAbs": 30,
                 "seuilRayonMin": None,
@@ -88,10 +86,8 @@ def test_impossible_settings_are_refused(change):
 
 def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
     velocity, yaw_rate = np.ones(500), np.zeros(500)
-    with pytest.warns(UserWarning, match=re.escape("0.25 s is 12.5 frames at 50 Hz")):
-        codes = identify_tasks(velocity, yaw_rate, 50)
-    assert (codes == Task.FORWARD).all()
+    steps = task_steps(velocity, yaw_rate, 50)
+    assert "0.25 s is 12.5 frames at 50 Hz: rounded to 12" in steps.warnings[0]
+    assert (steps.reduced == Task.FORWARD).all()
     # 0.29 s at 100 Hz is 28.999999999999996 in floating point: whole, no warning
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        identify_tasks(velocity, yaw_rate, 100, TaskSettings(segment_s=0.29))
+    assert task_steps(velocity, yaw_rate, 100, TaskSettings(segment_s=0.29)).warnings == ()

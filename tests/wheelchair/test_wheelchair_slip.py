@@ -19,6 +19,7 @@ from mobility_imu.simulation.wheelchair import (
 )
 from mobility_imu.wheelchair import (
     SAMPLE_CHAIR,
+    VelocitySettings,
     estimate_velocity,
 )
 from mobility_imu.wheelchair.slip import SlipSettings, SlipWindows, correct_slip, detect_slip
@@ -65,7 +66,7 @@ def test_a_difference_at_the_threshold_is_no_slip():
 def test_only_windows_longer_than_60_ms_are_corrected(length, replaced):
     windows = SlipWindows(np.array([50]), np.array([50 + length - 1]))
     velocity = np.r_[np.ones(50), np.full(length, 5.0), np.ones(143 - length)]
-    corrected = correct_slip(velocity, np.zeros(193), windows, 100)
+    corrected = correct_slip(velocity, np.zeros(193), windows, 100, method="tool")
     inside = corrected[50 : 50 + length]
     assert np.allclose(inside, 1.0 if replaced else 5.0, atol=EXACT)
     assert np.array_equal(np.delete(corrected, np.s_[50 : 50 + length]), np.ones(193 - length))
@@ -79,7 +80,7 @@ def slipping_drive(noise):
     for first in (350, 1000):
         extra[first : first + 50] = 6.0 * np.sin(np.pi * np.arange(50) / 50) ** 2
     imu = drive.recording.sensor("left_wheel")
-    axle = calibration.rotation_left_imu_to_wheel[2]
+    axle = calibration.mount.rotation_left_imu_to_wheel[2]
     sensors = dict(drive.recording.sensors)
     sensors["left_wheel"] = Imu(imu.acc_mps2, imu.gyr_radps + extra[:, None] * axle)
     return drive, Recording(drive.recording.time_s, sensors), calibration, extra > 0
@@ -89,7 +90,9 @@ def slipping_drive(noise):
 def test_correction_restores_a_slipping_stretch_better_than_leaving_it(noise):
     drive, slipping, calibration, where = slipping_drive(noise)
     left, mended = (
-        estimate_velocity(slipping, calibration, SAMPLE_CHAIR, slip_correction=on)
+        estimate_velocity(
+            slipping, SAMPLE_CHAIR, calibration.mount, VelocitySettings(slip_correction=on)
+        )
         for on in (False, True)
     )
     truth = drive.linear_velocity_mps
@@ -110,7 +113,7 @@ def test_tilt_and_bias_of_the_accelerometer_do_not_matter_between_two_good_ends(
     windows = SlipWindows(np.array([40]), np.array([90]))
     velocity = np.full(200, 1.5)
     velocity[40:91] = 9.0
-    corrected = correct_slip(velocity, np.full(200, 0.7), windows, 100)
+    corrected = correct_slip(velocity, np.full(200, 0.7), windows, 100, method="tool")
     assert corrected == pytest.approx(np.full(200, 1.5), abs=EXACT)
 
 
@@ -121,7 +124,7 @@ def test_windows_at_the_ends_lean_on_the_end_that_is_there(window):
     velocity = truth.copy()
     velocity[window[0] : window[1] + 1] += 2.0
     windows = SlipWindows(np.array([window[0]]), np.array([window[1]]))
-    corrected = correct_slip(velocity, np.full(200, 0.5), windows, 100)
+    corrected = correct_slip(velocity, np.full(200, 0.5), windows, 100, method="tool")
     if window == (0, 199):  # no good speed anywhere: only its changes are known
         assert np.diff(corrected) == pytest.approx(np.diff(truth), abs=EXACT)
     else:
@@ -131,7 +134,9 @@ def test_windows_at_the_ends_lean_on_the_end_that_is_there(window):
 @pytest.mark.parametrize("count", [2, 8, 9, 10, 15])
 def test_shortest_recordings_do_not_break_the_correction(count):
     windows = SlipWindows(np.array([0]), np.array([count - 1]))
-    assert np.isfinite(correct_slip(np.ones(count), np.zeros(count), windows, 100)).all()
+    assert np.isfinite(
+        correct_slip(np.ones(count), np.zeros(count), windows, 100, method="tool")
+    ).all()
 
 
 def test_slip_settings_are_checked():

@@ -1,7 +1,7 @@
 """Wheelchair: tasks against the printed tables, plain code and a simulator."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from unittest import mock
 
 import numpy as np
@@ -29,9 +29,9 @@ from mobility_imu.wheelchair import (
     Task,
     TaskSettings,
     WheelchairGeometry,
-    calibrate,
+    calibrate_mount,
     estimate_velocity,
-    identify_tasks,
+    task_codes,
     tasks,
 )
 from mobility_imu.wheelchair.tasks import (
@@ -90,7 +90,7 @@ def test_every_letter_and_every_pattern_of_the_printed_tables():
         letters = dict(
             zip(
                 ("linear_velocity", "abs_linear_velocity", "abs_yaw_rate", "curvature_radius"),
-                ["abc"[row[50]] for row in steps.symbols],
+                ["abc"[getattr(steps.symbols, f.name)[50]] for f in fields(steps.symbols)],
                 strict=True,
             )
         )
@@ -121,7 +121,7 @@ LIMITS = TaskSettings()
 def test_limits_of_table_1(velocity, yaw_radps, task):
     # two equal values are added and halved without rounding
     limits = TaskSettings(segment_s=0.02)
-    codes = identify_tasks(np.full(64, velocity), np.full(64, yaw_radps), 100, limits)
+    codes = task_codes(np.full(64, velocity), np.full(64, yaw_radps), 100, limits)
     assert set(codes) == {task}
 
 
@@ -227,7 +227,7 @@ def drives(draw):
 
 
 def differing(velocity, yaw_rate, segment, look, thresholds, edge):
-    ours = identify_tasks(velocity, yaw_rate, 100, thresholds, edge=edge)
+    ours = task_codes(velocity, yaw_rate, 100, thresholds, edge=edge)
     plain = plain_tasks(velocity, yaw_rate, segment, look, thresholds, edge)
     return int((ours != np.array(plain)).sum())
 
@@ -283,9 +283,9 @@ def test_tasks_of_a_long_drive_do_not_depend_on_the_blocks():
     velocity = np.tile(drive.linear_velocity_mps, 7)
     yaw_rate = np.tile(drive.yaw_rate_radps, 7)
     assert len(velocity) > 2 * tasks.BLOCK
-    in_blocks = identify_tasks(velocity, yaw_rate, 100)
+    in_blocks = task_codes(velocity, yaw_rate, 100)
     with mock.patch.object(tasks, "BLOCK", 10**9):
-        at_once = identify_tasks(velocity, yaw_rate, 100)
+        at_once = task_codes(velocity, yaw_rate, 100)
     assert np.array_equal(in_blocks, at_once)
 
 
@@ -293,26 +293,26 @@ def test_tasks_of_a_long_drive_do_not_depend_on_the_blocks():
 @given(drives())
 def test_direction_of_a_turn_does_not_matter(drive):
     velocity, yaw_rate, _, _, thresholds = drive
-    one = identify_tasks(velocity, yaw_rate, 100, thresholds)
-    assert np.array_equal(one, identify_tasks(velocity, -yaw_rate, 100, thresholds))
+    one = task_codes(velocity, yaw_rate, 100, thresholds)
+    assert np.array_equal(one, task_codes(velocity, -yaw_rate, 100, thresholds))
 
 
 @settings(deadline=None, max_examples=50)
 @given(drives(), st.sampled_from([0.5, 2.0, 4.0]))
 def test_clock_and_length_units_do_not_matter(drive, factor):
     velocity, yaw_rate, _, _, thresholds = drive
-    one = identify_tasks(velocity, yaw_rate, 100, thresholds)
+    one = task_codes(velocity, yaw_rate, 100, thresholds)
     # the same frames on a faster clock, with times that shrink alike
     faster = replace(
         thresholds,
         segment_s=thresholds.segment_s / factor,
         look_s=thresholds.look_s / factor,
     )
-    assert np.array_equal(one, identify_tasks(velocity, yaw_rate, 100 * factor, faster))
+    assert np.array_equal(one, task_codes(velocity, yaw_rate, 100 * factor, faster))
     # another unit of length, a power of two so that no rounding moves a value over a limit
     lengths = ("linear_velocity_mps", "onset_velocity_mps", "pivot_radius_m", "wide_radius_m")
     scaled = replace(thresholds, **{k: factor * getattr(thresholds, k) for k in lengths})
-    assert np.array_equal(one, identify_tasks(factor * velocity, yaw_rate, 100, scaled))
+    assert np.array_equal(one, task_codes(factor * velocity, yaw_rate, 100, scaled))
 
 
 @settings(deadline=None, max_examples=50)
@@ -328,8 +328,8 @@ def test_edges_differ_only_in_frames_that_not_all_offsets_cover(drive):
 
 def test_a_trial_that_starts_in_motion_is_called_static_at_first_by_the_tools_edge_only():
     velocity, yaw_rate = np.full(200, 1.2), np.zeros(200)
-    assert (identify_tasks(velocity, yaw_rate, 100) == Task.FORWARD).all()
-    codes = identify_tasks(velocity, yaw_rate, 100, edge="tool")
+    assert (task_codes(velocity, yaw_rate, 100) == Task.FORWARD).all()
+    codes = task_codes(velocity, yaw_rate, 100, edge="tool")
     # of 25 offsets t + 1 reach frame t: they are outvoted up to 12 of 25
     assert np.nonzero(codes == Task.STATIC)[0].tolist() == list(range(12))
 
@@ -350,12 +350,12 @@ def test_a_trial_that_starts_in_motion_is_called_static_at_first_by_the_tools_ed
 )
 def test_series_that_cannot_be_segmented_are_refused(arguments, message):
     with pytest.raises(InputError, match=message):
-        identify_tasks(*arguments)
+        task_codes(*arguments)
 
 
 def test_unknown_edge_is_refused():
     with pytest.raises(InputError, match="edge = 'both'"):
-        identify_tasks(np.zeros(100), np.zeros(100), 100, edge="both")
+        task_codes(np.zeros(100), np.zeros(100), 100, edge="both")
 
 
 def test_find_pattern_gives_one_task_to_each_of_the_36_combinations():
@@ -375,7 +375,7 @@ def court():
         read_recording(folder / f"{name}.csv.gz") for name in ("static", "straight", "court")
     )
     geometry = WheelchairGeometry.from_toml(folder / "geometry.toml")
-    found = estimate_velocity(trial, calibrate(static, straight), geometry)
+    found = estimate_velocity(trial, geometry, calibrate_mount(static, straight).mount)
     return found, pd.read_csv(folder / "truth.csv.gz")
 
 
@@ -390,7 +390,7 @@ def test_velocities_of_the_bundled_recording(court):
 
 def test_tasks_of_the_bundled_recording_are_right_away_from_the_changes(court):
     found, truth = court
-    codes = identify_tasks(found.linear_velocity_mps, found.yaw_rate_radps, 100)
+    codes = task_codes(found.linear_velocity_mps, found.yaw_rate_radps, 100)
     assert set(codes) == set(Task)
     # A change takes 0.8 s, and step 4 looks 0.30 s further than a segment of 0.25 s sees: from
     # 0.7 s on either side of a programmed change every frame is the driven task.

@@ -35,7 +35,8 @@ from mobility_imu.simulation.wheelchair import (
 )
 from mobility_imu.wheelchair import (
     SAMPLE_CHAIR,
-    calibrate,
+    VelocitySettings,
+    calibrate_mount,
     estimate_velocity,
 )
 from mobility_imu.wheelchair.calibration import (
@@ -55,7 +56,7 @@ from mobility_imu.wheelchair.velocity import (
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_ideal_sensors_give_the_driven_velocities_back(chair, seed):
     static, straight, drive = trials(chair, seed)
-    found = estimate_velocity(drive.recording, calibrated(static, straight), chair)
+    found = estimate_velocity(drive.recording, chair, calibrated(static, straight).mount)
     assert found.linear_velocity_mps == pytest.approx(drive.linear_velocity_mps, abs=EXACT)
     assert found.yaw_rate_radps == pytest.approx(drive.yaw_rate_radps, abs=EXACT)
     assert found.wheel_yaw_rate_radps == pytest.approx(drive.yaw_rate_radps, abs=EXACT)
@@ -68,7 +69,7 @@ def test_ideal_sensors_give_the_driven_velocities_back(chair, seed):
 def axle_rates(drive, calibration):
     return {
         side: drive.recording.sensor(f"{side}_wheel").gyr_radps
-        @ calibration.rotation_imu_to_wheel(side).T
+        @ calibration.mount.rotation_imu_to_wheel(side).T
         for side in ("left", "right")
     }
 
@@ -105,7 +106,7 @@ def test_mixed_pairs_are_wrong_by_the_ratio_of_the_two_distances(chair):
 def test_printed_camber_term_falsifies_the_wheels_yaw_rate_by_the_predicted_gain(chair):
     static, straight, drive = trials(chair, seed=5)
     printed = estimate_velocity(
-        drive.recording, calibrated(static, straight), chair, camber="printed"
+        drive.recording, chair, calibrated(static, straight).mount, VelocitySettings(form="printed")
     )
     gain_left, gain_right = printed_yaw_gain(chair)
     w = drive.yaw_rate_radps
@@ -194,7 +195,7 @@ def test_printed_minus_of_the_velocity_is_right_for_sensors_that_face_outward(fa
     # sides with the printed minus: the inverse tangents and the minus belong together.
     assert linear_velocity(left, right, SAMPLE_CHAIR) == pytest.approx(0 * printed, abs=EXACT)
     still = simulate_drive(STATIC_TRIAL, SAMPLE_CHAIR, mounting, seed=0, noise=IDEAL)
-    forward = axle_rates(line, calibrate(still.recording, line.recording))
+    forward = axle_rates(line, calibrate_mount(still.recording, line.recording))
     cancelled = velocity_printed(forward["left"][:, 2], forward["right"][:, 2], SAMPLE_CHAIR)
     assert cancelled == pytest.approx(0 * printed, abs=EXACT)
 

@@ -21,12 +21,11 @@ from mobility_imu.readers import read_recording
 from mobility_imu.readers.velocities import read_velocities
 from mobility_imu.recording import Recording
 from mobility_imu.reproduction.published import load_published
-from mobility_imu.wheelchair.calibration import WheelchairCalibration, calibrate
-from mobility_imu.wheelchair.geometry import Side
+from mobility_imu.wheelchair.calibration import WheelchairCalibration, calibrate_mount
+from mobility_imu.wheelchair.geometry import Side, side_sign
 from mobility_imu.wheelchair.settings import TaskSettings
-from mobility_imu.wheelchair.tasks import identify_tasks
+from mobility_imu.wheelchair.tasks import task_codes
 
-SIDES: tuple[Side, Side] = ("left", "right")
 TRIAL_FILES = tuple(
     f"1 - For Data Preprocessing/{name}.csv" for name in ("Static", "StraightLine", "Propulsion")
 )
@@ -148,7 +147,7 @@ def load_sample(folder: Path) -> Sample:
     Sample
     """
     static, straight, trial = (read_recording(folder / name) for name in TRIAL_FILES)
-    return Sample(static, straight, trial, calibrate(static, straight))
+    return Sample(static, straight, trial, calibrate_mount(static, straight))
 
 
 def load_tool_velocities(folder: Path) -> ToolVelocities | None:
@@ -181,7 +180,7 @@ def differing_labels(reference: LabelFile, folder: Path) -> int:
     int, of all frames of the series
     """
     series = read_velocities(folder / reference.velocities)
-    ours = identify_tasks(
+    ours = task_codes(
         series.linear_velocity_mps,
         series.yaw_rate_radps,
         series.sampling_rate_hz,
@@ -218,8 +217,7 @@ def yaw_gain(
     factor : 1 if they agree
     share of the speed : rad/m, 0 if the radii are right
     """
-    sign = 1 if side == "left" else -1
-    turning = sign * yaw_rate_radps > SMALLEST_TURN_RADPS
+    turning = side_sign(side) * yaw_rate_radps > SMALLEST_TURN_RADPS
     causes = np.column_stack([yaw_rate_radps, linear_velocity_mps])[turning]
     factor, share = np.linalg.lstsq(causes, wheel_yaw_rate_radps[turning])[0]
     return float(factor), float(share)
