@@ -216,3 +216,24 @@ def test_missing_sensor_or_gyroscope_is_named():
         )
     with pytest.raises(InputError, match="side = 'middle'"):
         wheel_spin_rate([1.0], [0.0], 0.3, side="middle")
+
+
+@pytest.mark.parametrize(
+    ("gyr", "message"),
+    [
+        (np.zeros((50, 3)), "turns by 0 rad"),
+        (np.r_[np.ones((9, 3)), -np.ones((9, 3))], "turns by 0 rad"),
+        (np.full((9, 3), np.nan), "not a finite number at row 0"),
+        (np.zeros((0, 3)), "turns by 0 rad"),
+        (np.zeros(3), "expected shape"),
+        ([["a", "b", "c"]], "expected real numbers"),
+    ],
+)
+def test_an_axle_needs_a_wheel_that_turns_forward(gyr, message):
+    with pytest.raises(InputError, match=message):
+        axle_direction(gyr)
+
+
+def test_realign_takes_rotations_only():
+    with pytest.raises(InputError, match="rotation_aligned_to_imu: a mirror"):
+        realign(np.ones((2, 3)), np.diag([1.0, 1, -1]))

@@ -1,6 +1,7 @@
 """The court simulator against independent numbers, and slip: found, mended and judged by truth."""
 
 import math
+from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,7 @@ from mobility_imu.data import SAMPLE_VARIABLE, sample_folder
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.reproduction.wheelchair.sample import load_sample
+from mobility_imu.reproduction.wheelchair.slip_study import random_court_errors
 from mobility_imu.simulation.sensor import MTI_1, SensorModel
 from mobility_imu.simulation.wheelchair import (
     Leg,
@@ -380,39 +382,11 @@ def test_report_counts_windows_samples_and_changes():
     assert empty.share == empty.largest_change == 0 and empty.to_frame().empty
 
 
-def judged(court, model):
-    """RMS error of the speed, m/s: uncorrected, the tool's way, ours; printed without and with."""
-    made, calibration = court.drive(model), calibrated(court, model)
-    trial, truth = made.recording, made.linear_velocity_mps
-    ours, mended = (
-        estimate_velocity(
-            trial, court.geometry, calibration.mount, VelocitySettings(slip_correction=on)
-        )
-        for on in (False, True)
-    )
-    windows = detect_slip(ours.yaw_rate_radps, ours.wheel_yaw_rate_radps, trial.sampling_rate_hz)
-    forward = calibration.mount.frame(trial.sensor("frame").acc_mps2)[:, 0]
-    tool = correct_slip(
-        ours.linear_velocity_mps, forward, windows, trial.sampling_rate_hz, method="tool"
-    )
-    printed = [
-        estimate_velocity(
-            trial,
-            court.geometry,
-            calibration.mount,
-            VelocitySettings(form="printed", slip_correction=on, slip_method="tool"),
-        ).linear_velocity_mps
-        for on in (False, True)
-    ]
-    found = (ours.linear_velocity_mps, tool, mended.linear_velocity_mps, *printed)
-    rms = [np.sqrt(np.mean((speed - truth) ** 2)) for speed in found]
-    return rms, made.slipping[ours.slip].mean(), ours.slip[made.slipping].mean()
-
-
 @pytest.fixture(scope="module")
 def one_wheel():
-    rows = [judged(random_court(seed, both_wheels_share=0.0), MTI_1) for seed in range(50)]
-    return np.array([row[0] for row in rows]), np.array([row[1:] for row in rows])
+    found = random_court_errors(range(50), both_wheels_share=0.0)
+    flags = [(court.flagged_that_slip, court.slipping_that_are_flagged) for court in found]
+    return np.array([court.rms_mps for court in found]), np.array(flags)
 
 
 def test_corrected_speed_is_the_best_on_every_one_of_fifty_courts(one_wheel):
@@ -430,7 +404,7 @@ def test_flags_are_slip_and_most_slip_is_flagged(one_wheel):
 
 
 def test_corrected_speed_is_better_also_where_both_wheels_slip_alike():
-    rms = np.array([judged(random_court(seed), MTI_1)[0] for seed in range(50)])
+    rms = np.array([c.rms_mps for c in random_court_errors(range(50), both_wheels_share=0.15)])
     uncorrected, tool, ours, printed, printed_tool = rms.T
     for other in (uncorrected, tool, printed):
         assert (ours < other).all()
@@ -514,3 +488,10 @@ def test_sample_is_changed_less_than_by_the_tool():
         )
         change[form] = np.abs(after - before)
     assert (change["corrected"] > 0).mean() < 0.01 < 0.2 < (change["printed"] > 0).mean()
+
+
+def test_courts_have_the_same_errors_on_other_processes():
+    one = random_court_errors(range(2), 0.15)
+    with ProcessPoolExecutor(2) as executor:
+        other = random_court_errors(range(2), 0.15, executor)
+    assert [c.rms_mps.tobytes() for c in one] == [c.rms_mps.tobytes() for c in other]

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from chairs import (
+    CHAIRS,
     ROUNDING,
 )
 
@@ -110,3 +111,48 @@ def test_bad_geometry_file_is_named_with_what_is_wrong(tmp_path, text, message):
     with pytest.raises(InputError, match=message) as error:
         WheelchairGeometry.from_toml(path)
     assert str(path) in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["camber_rad", "wheel_radius_left_m", "track_m"])
+@pytest.mark.parametrize("value", ["0.3", None, True, 1j, [0.3], np.nan])
+def test_dimensions_that_are_no_numbers_are_refused(name, value):
+    with pytest.raises(InputError, match=f"{name} = .*expected a number"):
+        replace(SAMPLE_CHAIR, **{name: value})
+
+
+def test_dimensions_of_numpy_become_floats():
+    chair = replace(SAMPLE_CHAIR, track_m=np.float32(0.75), camber_rad=np.float64(0.25))
+    assert type(chair.track_m) is float and type(chair.camber_rad) is float
+    assert chair == replace(SAMPLE_CHAIR, track_m=0.75, camber_rad=0.25)
+
+
+@pytest.mark.parametrize("camber_deg", [80, -30, 1e6, math.inf])
+def test_a_camber_in_degrees_is_answered_in_degrees(tmp_path, camber_deg):
+    with pytest.raises(InputError, match="camber_deg = ") as error:
+        WheelchairGeometry.from_degrees(
+            camber_deg, wheel_radius_left_m=0.3, wheel_radius_right_m=0.3, track_m=0.8
+        )
+    assert "rad" not in str(error.value)
+    if math.isfinite(camber_deg):
+        assert "expected between -5.7 and 35 deg" in str(error.value)
+    text = WHEELCHAIR_TOML.replace("19.0", str(camber_deg))
+    with pytest.raises(InputError, match=r"\[wheelchair\].*camber_deg = "):
+        WheelchairGeometry.from_toml(write_toml(tmp_path, text))
+
+
+@pytest.mark.parametrize("chair", [SAMPLE_CHAIR, *CHAIRS])
+def test_a_written_geometry_reads_as_the_same(tmp_path, chair):
+    path = tmp_path / "geometry.toml"
+    assert chair.to_toml(path) == path.read_text()
+    found = WheelchairGeometry.from_toml(path)
+    for name in vars(chair):
+        assert getattr(found, name) == pytest.approx(getattr(chair, name), abs=ROUNDING)
+    assert SAMPLE_CHAIR.to_toml() == WHEELCHAIR_TOML
+
+
+@pytest.mark.parametrize("length", ["2.0", -2.0, None, np.nan])
+def test_roll_out_lengths_are_checked(length):
+    with pytest.raises(InputError, match="wheel_circumference_right_m = "):
+        WheelchairGeometry.from_circumference(
+            0, wheel_circumference_left_m=2.0, wheel_circumference_right_m=length, track_m=0.8
+        )

@@ -1,11 +1,12 @@
 """Geometry check, one wheel, standard deviations, filters, events and pushes of a chair."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from mobility_imu.errors import InputError
 from mobility_imu.filters import moving_average, savitzky_golay
-from mobility_imu.recording import Recording
+from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation.wheelchair import (
     COURT,
     IDEAL,
@@ -29,6 +30,7 @@ from mobility_imu.wheelchair.check import check_geometry
 from mobility_imu.wheelchair.outcomes import (
     PushSettings,
     detect_pushes,
+    onset_errors,
     task_events,
     turn_direction,
 )
@@ -308,3 +310,87 @@ class TestPushes:
     def test_settings_are_checked(self):
         with pytest.raises(InputError, match="smallest_gain_mps"):
             PushSettings(smallest_gain_mps=0)
+
+
+UNEVEN = {
+    "a gap": ([0.0, 1, 2, 3, 10], "gap of 7 s after 3 s"),
+    "backwards": ([4.0, 3, 2, 1, 0], "runs backwards"),
+    "twice": ([0.0, 0, 0, 0, 0], "stands twice"),
+    "NaN": ([0.0, 1, np.nan, 3, 4], "sample 2 is nan"),
+    "one": ([0.0], "expected at least 2"),
+    "none": ([], "expected at least 2"),
+    "two dimensions": (np.zeros((5, 2)), "one time series"),
+    "text": (list("abcde"), "expected real numbers"),
+}
+
+
+@pytest.mark.parametrize(("time_s", "message"), UNEVEN.values(), ids=UNEVEN)
+def test_clocks_that_cannot_be_used_are_refused(time_s, message):
+    count = len(time_s)
+    with pytest.raises(InputError, match=f"time_s: .*{message}"):
+        task_events(time_s, np.ones(count), np.ones(count), np.ones(count))
+    with pytest.raises(InputError, match=f"time_s: .*{message}"):
+        detect_pushes(time_s, np.ones(count))
+
+
+def test_codes_come_as_lists_series_and_arrays_alike():
+    time_s = np.arange(6) / 10
+    codes = [1, 1, 4, 4, 2, 2]
+    velocity, yaw = np.ones(6), np.full(6, 0.5)
+    first = task_events(time_s, codes, velocity, yaw)
+    index = range(10, 16)
+    series = (pd.Series(values, index=index) for values in (time_s, codes, velocity, yaw))
+    for other in (
+        task_events(*series),
+        task_events(list(time_s), np.array(codes, float), list(velocity), list(yaw)),
+    ):
+        pd.testing.assert_frame_equal(first, other)
+    assert turn_direction(pd.Series(codes, index=index), yaw).tolist()[2] == "left"
+    assert turn_direction([], []).tolist() == []
+
+
+@pytest.mark.parametrize(
+    ("codes", "message"),
+    [
+        ([1, 2, 7], "codes: sample 2 is 7, expected 1 to 6"),
+        ([1, 2.5, 3], "codes: sample 1 is 2.5"),
+        ([1, 2], "codes: expected 3 samples like the others, got 2"),
+        (np.array([0, 1, 2], np.int8), "codes: sample 0 is 0"),
+        ([[1, 2, 3]], "codes: expected one time series"),
+        ([1, np.nan, 2], "codes: sample 1 is nan"),
+    ],
+)
+def test_codes_that_are_no_tasks_are_refused(codes, message):
+    with pytest.raises(InputError, match=message):
+        task_events([0.0, 0.1, 0.2], codes, np.zeros(3), np.zeros(3))
+
+
+def test_a_true_task_that_was_not_found_has_no_onset_error():
+    errors = onset_errors([1, 1, 1, 1, 2, 2], [1, 1, 4, 2, 2, 2], 10)
+    assert errors["task"].tolist() == ["pivot rotation", "forward propulsion"]
+    assert np.isnan(errors["error_s"][0]) and errors["error_s"][1] == pytest.approx(0.1)
+    with pytest.raises(InputError, match="expected 3 samples"):
+        onset_errors([1, 1], [1, 1, 2], 100)
+
+
+def test_a_wheel_that_the_straight_line_lacks_stops_the_check(court):
+    trials = drive()
+    static, straight = (
+        simulate_drive(legs, CHAIR, random_mounting(0), seed=k).recording
+        for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL))
+    )
+    sensors = {k: v for k, v in straight.sensors.items() if k != "left_wheel"}
+    mount = calibrate_mount(static, Recording(straight.time_s, sensors)).mount
+    for call in (check_geometry, estimate_velocity):
+        with pytest.raises(InputError, match="left wheel's sensor: it is missing in the straight"):
+            call(trials[0].recording, CHAIR, mount)
+
+
+@pytest.mark.parametrize("dead", [("left_wheel", "right_wheel")])
+def test_dead_wheels_are_no_matter_for_linear_algebra(court, dead):
+    recording, mount = court[0].recording, court[1].mount
+    sensors = dict(recording.sensors)
+    for name in dead:
+        sensors[name] = Imu(sensors[name].acc_mps2, np.zeros((len(recording), 3)))
+    with pytest.raises(InputError, match="do both wheel sensors work"):
+        check_geometry(Recording(recording.time_s, sensors), CHAIR, mount)

@@ -10,6 +10,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.wheelchair import (
     Task,
     TaskSettings,
+    task_codes,
 )
 from mobility_imu.wheelchair.settings import read_settings
 from mobility_imu.wheelchair.tasks import task_steps
@@ -91,3 +92,41 @@ def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
     assert (steps.reduced == Task.FORWARD).all()
     # 0.29 s at 100 Hz is 28.999999999999996 in floating point: whole, no warning
     assert task_steps(velocity, yaw_rate, 100, TaskSettings(segment_s=0.29)).warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('{"freqAcq": 0}', "freqAcq: sampling rate of 0 Hz"),
+        ('{"freqAcq": null}', "freqAcq: sampling rate of 0 Hz"),
+        ('{"freqAcq": NaN}', "freqAcq: sampling rate of nan Hz"),
+        ('{"freqAcq": 1e9}', "freqAcq: sampling rate"),
+        ('{"freqAcq": "100"}', "freqAcq = '100', expected a number"),
+        ('{"inptSegmentsec": "0.5"}', "inptSegmentsec = '0.5', expected a number"),
+        ('{"seuilVitLinAbs": true}', "seuilVitLinAbs = True, expected a number"),
+        ('{"seuilVitLinAbs": 1' + 310 * "0" + "}", "expected a number"),
+        ('{"seuilVitLinAbs": 1' + 5000 * "0" + "}", "too many digits"),
+        ('{"segment_s": 0.2, "inptSegmentsec": 0.3}', "segment_s a second time"),
+        (9000 * '{"a":', "nested too deeply"),
+    ],
+)
+def test_a_faulty_settings_file_is_refused_by_the_library_too(tmp_path, text, message):
+    path = tmp_path / "settings.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message) as error:
+        read_settings(path)
+    assert str(path) in str(error.value)
+
+
+@pytest.mark.parametrize("change", [{"segment_s": 1e300}, {"look_s": 1e300}, {"segment_s": 1e9}])
+def test_settings_longer_than_any_recording_are_refused(change):
+    with pytest.raises(InputError, match=f"{next(iter(change))} = .*is it in s"):
+        task_codes(np.ones(100), np.zeros(100), 100, TaskSettings(**change))
+
+
+@pytest.mark.parametrize("rate", [0, -1, np.nan, np.inf, "100", True])
+def test_rates_that_are_none_are_refused(rate):
+    with pytest.raises(InputError, match="sampling_rate_hz"):
+        TaskSettings().frames(rate)
+    with pytest.raises(InputError, match="sampling_rate_hz"):
+        task_codes(np.ones(100), np.zeros(100), rate)

@@ -21,8 +21,16 @@ from mobility_imu.wheelchair import (
     SAMPLE_CHAIR,
     VelocitySettings,
     estimate_velocity,
+    slip_report,
+    slip_sources,
 )
-from mobility_imu.wheelchair.slip import SlipSettings, SlipWindows, correct_slip, detect_slip
+from mobility_imu.wheelchair.slip import (
+    SlipSettings,
+    SlipWindows,
+    correct_slip,
+    detect_slip,
+    wheel_speeds,
+)
 
 
 def series(count, *stretches):
@@ -144,3 +152,66 @@ def test_slip_settings_are_checked():
     for change in ({"threshold_radps": 0.0}, {"low_pass_hz": -1.0}, {"shortest_s": math.nan}):
         with pytest.raises(InputError, match=next(iter(change))):
             SlipSettings(**change)
+
+
+def test_a_rate_that_is_too_low_for_the_low_pass_is_refused():
+    windows = SlipWindows(np.array([2]), np.array([5]))
+    with pytest.raises(InputError, match=r"low_pass_hz = 2: expected less than half.*3 Hz"):
+        correct_slip(np.ones(30), np.zeros(30), windows, 3, method="tool")
+    lower = SlipSettings(low_pass_hz=1.0)
+    assert len(correct_slip(np.ones(30), np.zeros(30), windows, 3, lower, method="tool")) == 30
+
+
+def test_a_report_of_nothing_has_no_share():
+    nothing = SlipWindows(np.zeros(0), np.zeros(0))
+    report = slip_report([], [], nothing, 100)
+    assert report.share == report.corrected_share == report.largest_change == 0
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "message"),
+    [
+        ([3], [2], "end before the next one begins"),
+        ([3, 4], [5, 6], "end before the next one begins"),
+        ([-1], [2], "end before the next one begins"),
+        ([1.5], [2], "whole numbers"),
+        ([1], [2, 3], "as many first as last"),
+        ([np.nan], [2], "windows.first: sample 0 is nan"),
+    ],
+)
+def test_windows_that_cannot_be_are_refused(first, last, message):
+    with pytest.raises(InputError, match=message):
+        SlipWindows(first, last)
+
+
+def test_windows_of_another_recording_are_refused():
+    windows = SlipWindows([5], [40])
+    speeds = wheel_speeds(np.ones(30), np.zeros(30), np.zeros(30), SAMPLE_CHAIR)
+    for call in (
+        lambda: correct_slip(np.ones(30), np.ones(30), windows, 100, wheels=speeds),
+        lambda: slip_sources(speeds, np.ones(30), windows, 100),
+        lambda: slip_report(np.ones(30), np.ones(30), windows, 100),
+        lambda: windows.flags(30),
+    ):
+        with pytest.raises(InputError, match="ends at sample 40, but there are 30 samples"):
+            call()
+
+
+@pytest.mark.parametrize("rate", [0, -100, np.nan, np.inf, "100", True, None])
+def test_rates_that_no_sensor_has_are_refused(rate):
+    windows = SlipWindows([], [])
+    speeds = wheel_speeds(np.ones(30), np.zeros(30), np.zeros(30), SAMPLE_CHAIR)
+    for call in (
+        lambda: detect_slip(np.ones(30), np.ones(30), rate),
+        lambda: correct_slip(np.ones(30), np.ones(30), windows, rate, wheels=speeds),
+        lambda: slip_sources(speeds, np.ones(30), windows, rate),
+        lambda: slip_report(np.ones(30), np.ones(30), windows, rate),
+    ):
+        with pytest.raises(InputError, match="sampling_rate_hz = "):
+            call()
+
+
+@pytest.mark.parametrize("source", [[5.0], [0, 1], ["left"], [0.5]])
+def test_sources_that_are_none_are_refused(source):
+    with pytest.raises(InputError, match="source"):
+        slip_report([1.0], [1.0], SlipWindows([], []), 100, source=source)

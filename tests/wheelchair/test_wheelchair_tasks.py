@@ -17,6 +17,7 @@ from plain_tasks import plain_tasks
 from mobility_imu.data import recordings_folder
 from mobility_imu.errors import InputError
 from mobility_imu.readers import read_recording
+from mobility_imu.readers.velocities import read_velocities
 from mobility_imu.reproduction.published import load_published
 from mobility_imu.reproduction.wheelchair.sample import open_combinations
 from mobility_imu.simulation.wheelchair import (
@@ -31,6 +32,7 @@ from mobility_imu.wheelchair import (
     WheelchairGeometry,
     calibrate_mount,
     estimate_velocity,
+    identify_tasks,
     task_codes,
     tasks,
 )
@@ -363,6 +365,41 @@ def test_find_pattern_gives_one_task_to_each_of_the_36_combinations():
     codes = find_pattern(Symbols(*grid.astype(np.int8).T))
     assert set(codes) == set(Task)
     assert len(codes) == 36
+
+
+def test_uneven_clocks_and_unequal_series_of_a_drive_are_refused(court):
+    drive = court[0]
+    gap = drive.time_s + np.where(np.arange(len(drive)) > 99, 5.0, 0.0)
+    with pytest.raises(InputError, match=r"time_s: gap of 5.01 s after 0.99 s"):
+        identify_tasks(replace(drive, time_s=gap))
+    with pytest.raises(InputError, match="yaw_rate_radps: expected 5250 samples"):
+        identify_tasks(replace(drive, yaw_rate_radps=drive.yaw_rate_radps[:-1]))
+
+
+def test_a_drive_a_file_and_arrays_get_the_same_tasks(court, tmp_path):
+    drive = court[0]
+    tasks = identify_tasks(drive, TaskSettings(segment_s=0.255), edge="tool")
+    again = task_codes(
+        drive.linear_velocity_mps,
+        drive.yaw_rate_radps,
+        100,
+        TaskSettings(segment_s=0.255),
+        edge="tool",
+    )
+    assert np.array_equal(tasks.codes, again) and tasks.codes.dtype == np.int8
+    assert "25.5 frames at 100 Hz" in tasks.warnings[0] and tasks.edge == "tool"
+    assert len(tasks) == len(drive) and tasks.settings.segment_s == 0.255
+    drive.to_frame().to_csv(tmp_path / "v.csv", index=False)
+    from_file = identify_tasks(read_velocities(tmp_path / "v.csv"))
+    assert np.array_equal(from_file.codes, identify_tasks(drive).codes)
+    assert list(from_file.to_frame()["task"].unique()[:1]) == ["static"]
+
+
+@pytest.mark.parametrize("codes", [[0, 1, 3], [0, 1, -1], [0.5, 1, 2], ["a"], [np.nan]])
+def test_letters_that_are_none_are_refused(codes):
+    good = np.ones(len(codes), np.int8)
+    with pytest.raises(InputError, match=r"symbols.radius"):
+        Symbols(good, good, good, codes)
 
 
 # The bundled recording

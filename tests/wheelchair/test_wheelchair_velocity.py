@@ -16,6 +16,7 @@ from chairs import (
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mobility_imu.errors import InputError
 from mobility_imu.reproduction.wheelchair.facing import facing_mounting
 from mobility_imu.reproduction.wheelchair.printed import (
     gyroscope_outward,
@@ -46,6 +47,8 @@ from mobility_imu.wheelchair.calibration import (
 from mobility_imu.wheelchair.velocity import (
     linear_velocity,
     printed_yaw_gain,
+    single_wheel_velocity,
+    velocity_standard_deviation,
     wheel_spin_rate,
     wheel_spin_rate_printed,
     wheel_yaw_rate,
@@ -252,3 +255,28 @@ def test_a_wrong_radius_is_not_mistaken_for_a_wrong_factor():
     yaw, speed = rng.uniform(0.4, 1.2, 500), rng.uniform(1, 4, 500)
     factor, share = yaw_gain(yaw, 0.7 * yaw + 0.02 * speed, speed, side="left")
     assert (factor, share) == pytest.approx((0.7, 0.02), abs=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda a, b: wheel_spin_rate(a, b, 0.3, side="left"),
+        lambda a, b: linear_velocity(a, b, SAMPLE_CHAIR),
+        lambda a, b: wheel_yaw_rate(a, b, SAMPLE_CHAIR, distance_m=0.8),
+        lambda a, b: single_wheel_velocity(a, b, SAMPLE_CHAIR, side="right"),
+        lambda a, b: velocity_standard_deviation(
+            a, b, SAMPLE_CHAIR, gyr_sd_radps=0.01, radius_sd_m=0.001
+        ),
+    ],
+)
+def test_series_of_unequal_length_are_refused(call):
+    with pytest.raises(InputError, match=r"\(5,\).*\(4,\).*expected series of one length"):
+        call(np.ones(5), np.ones(4))
+    assert np.shape(call(np.ones(5), 1.0)) == (5,)
+
+
+def test_one_wheel_of_no_side_is_refused():
+    with pytest.raises(InputError, match="side = 'middle'"):
+        single_wheel_velocity(np.ones(3), np.ones(3), SAMPLE_CHAIR, side="middle")
+    with pytest.raises(InputError, match="side = 'middle'"):
+        wheel_spin_rate_printed(np.ones((3, 3)), 0.3, side="middle")
