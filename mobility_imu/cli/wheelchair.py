@@ -16,7 +16,7 @@ from mobility_imu.errors import InputError
 if TYPE_CHECKING:
     from mobility_imu.readers.velocities import VelocitySeries
     from mobility_imu.recording import Recording
-    from mobility_imu.wheelchair import GeometryCheck, Tasks, TaskSettings
+    from mobility_imu.wheelchair import GeometryCheck, Tasks, TaskSettings, WheelchairCalibration
 
 Camber = Literal["sign-safe", "printed"]
 Smoothing = Literal["none", "moving-average", "savitzky-golay"]
@@ -61,7 +61,6 @@ def velocity(
     from mobility_imu.wheelchair import (
         VelocitySettings,
         WheelchairGeometry,
-        calibrate_mount,
         estimate_velocity,
         smooth_recording,
     )
@@ -73,7 +72,7 @@ def velocity(
         smooth_recording(recording, smoothing, window=filter_window, order=filter_order)
         for recording in _read(trials, sampling_rate_hz, fill_gaps_s)
     )
-    calibration = calibrate_mount(still, line)
+    calibration = _calibrated(drive, still, line)
     settings = (
         VelocitySettings(form="printed", slip_correction=slip_correction, slip_method="tool")
         if camber == "printed"
@@ -82,6 +81,16 @@ def velocity(
     found = estimate_velocity(drive, chair, calibration.mount, settings)
     _warn((*calibration.warnings, *found.warnings))
     outputs.write({output: csv_bytes(found.to_frame(), output)})
+
+
+def _calibrated(drive: Recording, still: Recording, line: Recording) -> WheelchairCalibration:
+    from mobility_imu.wheelchair import calibrate_mount
+
+    # Here the straight-line trial's file can be named, which the mount does not know any more.
+    for name in ("left_wheel", "right_wheel"):
+        if name in drive.sensors:
+            line.sensor(name, gyroscope=True)
+    return calibrate_mount(still, line)
 
 
 def _warn(messages: Iterable[str]) -> None:
@@ -114,11 +123,11 @@ def check(
     fill_gaps_s: FillGaps = 0.0,
 ) -> None:
     """Whether track, radii and camber fit what the frame's gyroscope says of the turns."""
-    from mobility_imu.wheelchair import WheelchairGeometry, calibrate_mount, check_geometry
+    from mobility_imu.wheelchair import WheelchairGeometry, check_geometry
 
     chair = WheelchairGeometry.from_toml(geometry)
     drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s)
-    calibration = calibrate_mount(still, line)
+    calibration = _calibrated(drive, still, line)
     typer.echo(check_text(check_geometry(drive, chair, calibration.mount)))
 
 
