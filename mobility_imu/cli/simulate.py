@@ -129,8 +129,11 @@ def wheelchair(output: Folder, seed: Seed) -> None:
         random_mounting,
         simulate_drive,
     )
-    from mobility_imu.wheelchair.geometry import SAMPLE_CHAIR as chair
+    from mobility_imu.wheelchair import WheelchairGeometry
 
+    chair = WheelchairGeometry.from_degrees(
+        19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
+    )
     mounting = random_mounting(seed)
     trials = {"static": STATIC_TRIAL, "straight": STRAIGHT_TRIAL, "court": COURT}
     drives = {

@@ -70,11 +70,11 @@ def test_chronogram_keeps_the_velocities_peaks_at_any_length(minutes, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (([0, 1], [1, 7]), "sample 1 is 7, expected a task"),
+        (([0, 1], [1, 7]), "sample 1 is 7, expected 1 to 6"),
         (([0, 1], [1, 0]), "sample 1 is 0"),
         (([0, 1], [1]), "expected 2 samples"),
-        (([0, 0], [1, 1]), "rising times"),
-        (([0], [1]), "rising times"),
+        (([0, 0], [1, 1]), "stands twice"),
+        (([0], [1]), "expected at least 2"),
         (([0, 1], [1, 1], [1.0]), "linear_velocity_mps: expected 2"),
     ],
 )

@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from mobility_imu.data import recordings_folder, reference_folder
-from mobility_imu.readers import read_recording
+from mobility_imu.data import reference_folder
 from mobility_imu.readers.velocities import read_velocities
 from mobility_imu.reproduction.claims import Cell, Claim, Quotation
 from mobility_imu.reproduction.wheelchair.claims_equations import equation_claims
@@ -27,8 +26,15 @@ from mobility_imu.reproduction.wheelchair.sample import (
     open_combinations,
     printed_patterns,
 )
+from mobility_imu.simulation.wheelchair import (
+    COURT,
+    STATIC_TRIAL,
+    STRAIGHT_TRIAL,
+    random_mounting,
+    simulate_drive,
+)
 from mobility_imu.wheelchair.calibration import calibrate_mount
-from mobility_imu.wheelchair.geometry import WheelchairGeometry
+from mobility_imu.wheelchair.geometry import SAMPLE_CHAIR
 from mobility_imu.wheelchair.settings import TaskSettings
 from mobility_imu.wheelchair.tasks import (
     Symbols,
@@ -371,12 +377,13 @@ def _court() -> Claim:
 
 
 def _tasks_on_court() -> float:
-    folder = recordings_folder() / "wheelchair_court"
+    # Simulated here: an installed package carries no recordings.
+    mounting = random_mounting(1)
     static, straight, court = (
-        read_recording(folder / f"{name}.csv.gz") for name in ("static", "straight", "court")
+        simulate_drive(legs, SAMPLE_CHAIR, mounting, seed=1000 + k).recording
+        for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
     )
-    geometry = WheelchairGeometry.from_toml(folder / "geometry.toml")
-    drive = estimate_velocity(court, geometry, calibrate_mount(static, straight).mount)
+    drive = estimate_velocity(court, SAMPLE_CHAIR, calibrate_mount(static, straight).mount)
     return float(len(set(identify_tasks(drive).codes.tolist()) & set(Task)))
 
 

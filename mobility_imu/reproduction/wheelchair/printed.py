@@ -8,6 +8,7 @@ axles positive forward instead; here the print is kept to the letter, so that it
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
 
@@ -16,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from mobility_imu.frames import FloatArray
 from mobility_imu.recording import Recording
+from mobility_imu.results import Result
 from mobility_imu.wheelchair.calibration import alignment_matrix, realign, wheel_alignment_angles
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry, side_sign
 
@@ -115,7 +117,8 @@ def yaw_rate_printed(
     ) / distance_m
 
 
-class WheelRates(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class WheelRates(Result):
     """Gyroscope of both wheels in wheel axes.
 
     Parameters

@@ -8,6 +8,7 @@ series are bundled in ``data/reference``.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import NamedTuple
@@ -21,6 +22,7 @@ from mobility_imu.readers import read_recording
 from mobility_imu.readers.velocities import read_velocities
 from mobility_imu.recording import Recording
 from mobility_imu.reproduction.published import load_published
+from mobility_imu.results import Result
 from mobility_imu.wheelchair.calibration import WheelchairCalibration, calibrate_mount
 from mobility_imu.wheelchair.geometry import Side, side_sign
 from mobility_imu.wheelchair.settings import TaskSettings
@@ -122,7 +124,8 @@ class Sample(NamedTuple):
     calibration: WheelchairCalibration
 
 
-class ToolVelocities(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class ToolVelocities(Result):
     """What the public tool made of the sample trial before its slip correction.
 
     Parameters
