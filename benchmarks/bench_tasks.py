@@ -13,7 +13,7 @@ import numpy as np
 from plain_tasks import plain_tasks
 
 from mobility_imu.simulation.wheelchair import COURT, IDEAL, random_mounting, simulate_drive
-from mobility_imu.wheelchair import TaskSettings, WheelchairGeometry, identify_tasks
+from mobility_imu.wheelchair import SAMPLE_CHAIR, TaskSettings, task_codes
 
 RATE_HZ = 100
 SETTINGS = TaskSettings()  # segments of 25 frames
@@ -25,10 +25,7 @@ NEEDED_US_PER_FRAME = 0.5
 
 def drive(frames):
     """Velocity and yaw rate of a chair on a court, over and over, with measurement noise."""
-    chair = WheelchairGeometry.from_degrees(
-        19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
-    )
-    once = simulate_drive(COURT, chair, random_mounting(1), seed=1, noise=IDEAL)
+    once = simulate_drive(COURT, SAMPLE_CHAIR, random_mounting(1), seed=1, noise=IDEAL)
     rng = np.random.default_rng(1)
     velocity, yaw_rate = (
         np.resize(series, frames) + rng.normal(0, 0.01, frames)
@@ -61,14 +58,14 @@ def main():
     good = True
     for frames in LENGTHS:
         v, w = velocity[:frames], yaw_rate[:frames]
-        ours = seconds(lambda v=v, w=w: identify_tasks(v, w, RATE_HZ, SETTINGS), 5)
+        ours = seconds(lambda v=v, w=w: task_codes(v, w, RATE_HZ, SETTINGS), 5)
         tracemalloc.start()
-        codes = identify_tasks(v, w, RATE_HZ, SETTINGS)
+        codes = task_codes(v, w, RATE_HZ, SETTINGS)
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         us = 1e6 * ours / frames
         print(
-            f"{'identify_tasks':24}{frames:>10}{ours:>9.4f}{us:>10.3f}{peer_us / us:>7.0f}"
+            f"{'task_codes':24}{frames:>10}{ours:>9.4f}{us:>10.3f}{peer_us / us:>7.0f}"
             f"{peak / 1e6:>9.1f}{peak / frames:>9.0f}"
         )
         good &= peer_us / us >= NEEDED_RATIO and us <= NEEDED_US_PER_FRAME

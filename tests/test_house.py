@@ -25,7 +25,7 @@ LAYERS = (
     {"rotations", "filters", "recording"},
     {"hinges", "quality", "readers"},
     set(DEVICES),
-    {"simulation", "outcomes"},
+    {"simulation"},
     {"plots", "reproduction"},
     {"report", "cli"},
     {"__main__"},

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -12,14 +14,9 @@ from mobility_imu.cli.options import FillGaps, Output, Rate, sub_app
 from mobility_imu.errors import InputError
 
 if TYPE_CHECKING:
-    import pandas as pd
-
-    from mobility_imu.frames import FloatArray
     from mobility_imu.readers.velocities import VelocitySeries
     from mobility_imu.recording import Recording
-    from mobility_imu.wheelchair import TaskSettings, WheelchairCalibration
-    from mobility_imu.wheelchair.check import GeometryCheck
-    from mobility_imu.wheelchair.tasks import Codes
+    from mobility_imu.wheelchair import GeometryCheck, Tasks, TaskSettings, WheelchairCalibration
 
 Camber = Literal["sign-safe", "printed"]
 Smoothing = Literal["none", "moving-average", "savitzky-golay"]
@@ -49,7 +46,7 @@ def velocity(
         bool,
         typer.Option(
             "--slip-correction/--no-slip-correction",
-            help="Where wheels slip, integrate the frame's acceleration instead.",
+            help="Where the wheels disagree, take the speed from the one that rolls.",
         ),
     ] = False,
     smoothing: Annotated[
@@ -61,20 +58,44 @@ def velocity(
     fill_gaps_s: FillGaps = 0.0,
 ) -> None:
     """Linear velocity and yaw rate of a chair from wheel and frame IMUs (WheelMove-ID)."""
-    from mobility_imu.wheelchair import WheelchairGeometry, estimate_velocity
+    from mobility_imu.wheelchair import (
+        VelocitySettings,
+        WheelchairGeometry,
+        estimate_velocity,
+        smooth_recording,
+    )
 
     trials = (trial, static, straight)
     outputs = Outputs({"--output": output}, (*_files(trials), geometry))
     chair = WheelchairGeometry.from_toml(geometry)
     drive, still, line = (
-        smoothed(recording, smoothing, filter_window, filter_order)
+        smooth_recording(recording, smoothing, window=filter_window, order=filter_order)
         for recording in _read(trials, sampling_rate_hz, fill_gaps_s)
     )
-    calibration = calibrated(drive, still, line)
-    found = estimate_velocity(
-        drive, calibration, chair, camber=camber, slip_correction=slip_correction
+    calibration = _calibrated(drive, still, line)
+    settings = (
+        VelocitySettings(form="printed", slip_correction=slip_correction, slip_method="tool")
+        if camber == "printed"
+        else VelocitySettings(slip_correction=slip_correction)
     )
+    found = estimate_velocity(drive, chair, calibration.mount, settings)
+    _warn((*calibration.warnings, *found.warnings))
     outputs.write({output: csv_bytes(found.to_frame(), output)})
+
+
+def _calibrated(drive: Recording, still: Recording, line: Recording) -> WheelchairCalibration:
+    from mobility_imu.wheelchair import calibrate_mount
+
+    # Here the straight-line trial's file can be named, which the mount does not know any more.
+    for name in ("left_wheel", "right_wheel"):
+        if name in drive.sensors:
+            line.sensor(name, gyroscope=True)
+    return calibrate_mount(still, line)
+
+
+def _warn(messages: Iterable[str]) -> None:
+    for message in messages:
+        warnings.warn(message, stacklevel=1)
 
 
 def _files(trials: tuple[Path, ...]) -> list[Path]:
@@ -92,64 +113,6 @@ def _read(trials: tuple[Path, ...], sampling_rate_hz: float, fill_gaps_s: float)
     ]
 
 
-def calibrated(drive: Recording, still: Recording, line: Recording) -> WheelchairCalibration:
-    """Alignment of the sensors that a drive has.
-
-    Parameters
-    ----------
-    drive : Recording that is to be evaluated
-    still : Recording of the chair standing still
-    line : Recording of the chair pushed straight forward
-
-    Returns
-    -------
-    WheelchairCalibration
-
-    Raises
-    ------
-    InputError
-        If a wheel's sensor is in the drive and not in the straight-line trial.
-    """
-    from mobility_imu.wheelchair import calibrate
-
-    for name in ("left_wheel", "right_wheel"):
-        if name in drive.sensors:
-            line.sensor(name, gyroscope=True)
-    return calibrate(still, line)
-
-
-def smoothed(recording: Recording, how: Smoothing, window: int, order: int) -> Recording:
-    """Recording with every sensor smoothed.
-
-    Parameters
-    ----------
-    recording : Recording
-    how : "none", "moving-average" or "savitzky-golay"
-    window : samples in the filter's window, odd
-    order : order of the Savitzky-Golay filter
-
-    Returns
-    -------
-    Recording
-    """
-    from mobility_imu.filters import moving_average, savitzky_golay
-    from mobility_imu.recording import Imu, Recording
-
-    if how == "none":
-        return recording
-
-    def smooth(values: FloatArray) -> FloatArray:
-        if how == "moving-average":
-            return moving_average(values, window)
-        return savitzky_golay(values, window, order)
-
-    sensors = {
-        name: Imu(smooth(imu.acc_mps2), None if imu.gyr_radps is None else smooth(imu.gyr_radps))
-        for name, imu in recording.sensors.items()
-    }
-    return Recording(recording.time_s, sensors, source=recording.source)
-
-
 @app.command("check")
 def check(
     trial: Annotated[Path, typer.Argument(help="Recording of a drive with turns to both sides.")],
@@ -160,12 +123,12 @@ def check(
     fill_gaps_s: FillGaps = 0.0,
 ) -> None:
     """Whether track, radii and camber fit what the frame's gyroscope says of the turns."""
-    from mobility_imu.wheelchair import WheelchairGeometry
-    from mobility_imu.wheelchair.check import check_geometry
+    from mobility_imu.wheelchair import WheelchairGeometry, check_geometry
 
     chair = WheelchairGeometry.from_toml(geometry)
     drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s)
-    typer.echo(check_text(check_geometry(drive, calibrated(drive, still, line), chair)))
+    calibration = _calibrated(drive, still, line)
+    typer.echo(check_text(check_geometry(drive, chair, calibration.mount)))
 
 
 def check_text(found: GeometryCheck) -> str:
@@ -188,7 +151,7 @@ def check_text(found: GeometryCheck) -> str:
         f"track that fits the turns   {found.track_m:.4f} ± {found.track_sd_m:.4f} m",
         f"right over left radius      {found.radius_ratio:.4f} ± {found.radius_ratio_sd:.4f}",
         f"camber from the axles       {camber:.1f} ± {camber_sd:.1f} deg",
-        *(f"- {message}" for message in found.messages or ("the geometry fits",)),
+        *(f"- {message}" for message in found.warnings or ("the geometry fits",)),
     ]
     return "\n".join(lines)
 
@@ -221,21 +184,23 @@ def tasks(
     outputs = Outputs({"--output": output, "--events": events, "--figure": figure}, inputs)
     if figure is not None and figure.suffix not in PICTURES:
         raise InputError(f"--figure {figure}: expected a name that ends in .png, .svg or .pdf")
-    from mobility_imu.wheelchair import identify_tasks
+    from mobility_imu.wheelchair import identify_tasks, task_events
+    from mobility_imu.wheelchair.outcomes import turn_direction
 
     thresholds, series = read_series(velocity, settings, sampling_rate_hz)
-    codes = identify_tasks(
-        series.linear_velocity_mps,
-        series.yaw_rate_radps,
-        series.sampling_rate_hz,
-        thresholds,
-        edge=edge,
-    )
-    contents = {output: csv_bytes(task_table(series, codes, direction=direction), output)}
+    found = identify_tasks(series, thresholds, edge=edge)
+    _warn(found.warnings)
+    table = found.to_frame()
+    if direction:
+        table["direction"] = turn_direction(found.codes, found.yaw_rate_radps)
+    contents = {output: csv_bytes(table, output)}
     if events is not None:
-        contents[events] = csv_bytes(_events(series, codes), events)
+        rows = task_events(
+            found.time_s, found.codes, found.linear_velocity_mps, found.yaw_rate_radps
+        )
+        contents[events] = csv_bytes(rows, events)
     if figure is not None:
-        contents[figure] = _chronogram(series, codes, figure)
+        contents[figure] = _chronogram(found, figure)
     outputs.write(contents)
 
 
@@ -261,12 +226,10 @@ def read_series(
         If the two files are faulty, or state different rates.
     """
     from mobility_imu.readers.velocities import read_velocities
-    from mobility_imu.wheelchair import TaskSettings
-    from mobility_imu.wheelchair.tasks import read_settings
+    from mobility_imu.wheelchair import TaskSettings, read_settings
 
     if settings is None:
         return TaskSettings(), read_velocities(velocity, sampling_rate_hz=sampling_rate_hz)
-    _check_settings(settings)
     thresholds, stated_hz = read_settings(settings)
     rate = stated_hz if sampling_rate_hz is None else sampling_rate_hz
     series = read_velocities(velocity, sampling_rate_hz=rate)
@@ -278,59 +241,7 @@ def read_series(
     return thresholds, series
 
 
-def _check_settings(path: Path) -> None:
-    """Check that the settings are numbers, and that a rate among them is one."""
-    from mobility_imu.readers.clocks import check_rate
-    from mobility_imu.readers.settings import read_json_numbers
-
-    numbers = read_json_numbers(path)
-    if "freqAcq" in numbers:
-        check_rate(numbers["freqAcq"] or 0.0, f"{path}: freqAcq")
-
-
-def task_table(series: VelocitySeries, codes: Codes, *, direction: bool) -> pd.DataFrame:
-    """Table of tasks, as the command writes it.
-
-    Parameters
-    ----------
-    series : VelocitySeries
-    codes : (n,) array of task codes
-    direction : whether there is a column with the direction of rotations
-
-    Returns
-    -------
-    DataFrame
-        ``time_s``, ``linear_velocity_mps``, ``yaw_rate_degps``, ``task_code``, ``task``, and
-        ``direction`` if it is wanted
-    """
-    import numpy as np
-    import pandas as pd
-
-    from mobility_imu.outcomes import turn_direction
-    from mobility_imu.wheelchair import Task
-
-    names = np.array(["", *(task.title for task in Task)])
-    table = pd.DataFrame(
-        {
-            "time_s": series.time_s,
-            "linear_velocity_mps": series.linear_velocity_mps,
-            "yaw_rate_degps": np.rad2deg(series.yaw_rate_radps),
-            "task_code": codes,
-            "task": names[codes],
-        }
-    )
-    if direction:
-        table["direction"] = turn_direction(codes, series.yaw_rate_radps)
-    return table
-
-
-def _events(series: VelocitySeries, codes: Codes) -> pd.DataFrame:
-    from mobility_imu.outcomes import task_events
-
-    return task_events(series.time_s, codes, series.linear_velocity_mps, series.yaw_rate_radps)
-
-
-def _chronogram(series: VelocitySeries, codes: Codes, path: Path) -> bytes:
+def _chronogram(found: Tasks, path: Path) -> bytes:
     import matplotlib as mpl
 
     mpl.use("agg")
@@ -338,7 +249,7 @@ def _chronogram(series: VelocitySeries, codes: Codes, path: Path) -> bytes:
 
     from mobility_imu.plots.wheelchair import chronogram
 
-    drawing = chronogram(series.time_s, codes, series.linear_velocity_mps, series.yaw_rate_radps)
+    drawing = chronogram(found.time_s, found.codes, found.linear_velocity_mps, found.yaw_rate_radps)
     try:
         return figure_bytes(drawing, path)
     finally:

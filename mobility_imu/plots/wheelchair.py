@@ -7,11 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_series
+from mobility_imu.frames import FloatArray, as_clock, as_series
 from mobility_imu.plots.style import COLOURS, HATCHES, use_style
-from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry, side_sign
-from mobility_imu.wheelchair.tasks import Task
+from mobility_imu.runs import changes_of
+from mobility_imu.wheelchair.codes import Codes, Task, as_codes
+from mobility_imu.wheelchair.geometry import (
+    SAMPLE_CHAIR,
+    SIDES,
+    Side,
+    WheelchairGeometry,
+    side_sign,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +32,7 @@ TASK_COLOURS = {
     Task.WIDE: COLOURS["blue"],
 }
 TASK_HATCHES = dict(zip(Task, HATCHES, strict=True))
-# More points than this are drawn as the smallest and largest of each of that many stretches.
+# More points than this are drawn as the smallest and largest of each of that many intervals.
 LONGEST_LINE = 8000
 SIDE_COLOURS = {"left": "#A34700", "right": "#00537F"}
 BODY: dict[str, Any] = {"facecolor": "#EFEFEF", "edgecolor": "#9A9A9A", "linewidth": 1.2}
@@ -44,7 +50,7 @@ def chronogram(
 
     Parameters
     ----------
-    time_s : (n,) array, s, rising
+    time_s : (n,) array, s, increasing
     codes : (n,) array of task codes, 1 to 6
     linear_velocity_mps : (n,) array, m/s, forward positive
     yaw_rate_radps : (n,) array, rad/s, left positive; drawn in deg/s
@@ -56,18 +62,12 @@ def chronogram(
     Raises
     ------
     InputError
-        If the series differ in length, times do not rise, or a code is no task.
+        If the series differ in length, times do not increase, or a code is no task.
     """
     import matplotlib.pyplot as plt
 
-    time = as_series(time_s, "time_s")
-    task = as_series(codes, "codes", length=len(time))
-    if len(time) < 2 or (np.diff(time) <= 0).any():
-        raise InputError("time_s: expected at least two rising times")
-    unknown = ~np.isin(task, list(Task))
-    if unknown.any():
-        first = int(np.argmax(unknown))
-        raise InputError(f"codes: sample {first} is {task[first]:g}, expected a task, 1 to 6")
+    time = as_clock(time_s)
+    task = as_codes(codes, length=len(time))
     curves = []
     if linear_velocity_mps is not None:
         velocity = as_series(linear_velocity_mps, "linear_velocity_mps", length=len(time))
@@ -77,8 +77,6 @@ def chronogram(
         curves.append(("yaw rate\ndeg/s", np.rad2deg(yaw_rate)))
 
     spans = _spans(time, task)
-    line = 1.1 if time[-1] - time[0] <= 180 else 0.5
-    shares = {code: float((task == code).mean()) for code in Task}
     with use_style():
         figure, column = plt.subplots(
             len(curves) + 1,
@@ -89,57 +87,72 @@ def chronogram(
             height_ratios=[1.0] * len(curves) + [1.6],
         )
         *panels, bands = column[:, 0]
-        for ax, (label, values) in zip(panels, curves, strict=True):
-            for code, pieces in spans.items():
-                ax.broken_barh(
-                    pieces,
-                    (0, 1),
-                    transform=ax.get_xaxis_transform(),
-                    facecolor=TASK_COLOURS[code],
-                    alpha=0.22,
-                    linewidth=0,
-                )
-            ax.axhline(0, color="#888888", linewidth=0.8, linestyle="-")
-            ax.plot(*_thinned(time, values), color="black", linestyle="-", linewidth=line)
-            ax.set_ylabel(label)
-            ax.grid(visible=False)
-        for code, pieces in spans.items():
-            bands.broken_barh(
-                pieces,
-                (code - 0.4, 0.8),
-                facecolor=TASK_COLOURS[code],
-                # A fine edge in its own colour keeps the shortest task visible.
-                edgecolor=TASK_COLOURS[code],
-                linewidth=0.6,
-            )
-            bands.broken_barh(
-                # In a sliver a hatch only washes out the colour.
-                [piece for piece in pieces if piece[1] > 0.012 * (time[-1] - time[0])],
-                (code - 0.4, 0.8),
-                facecolor="none",
-                edgecolor="white",
-                linewidth=0,
-                hatch=TASK_HATCHES[code],
-            )
-        bands.set_ylim(6.6, 0.4)
-        bands.set_yticks(list(Task), [code.title for code in Task])
-        bands.tick_params(axis="y", length=0)
+        for ax, (name, values) in zip(panels, curves, strict=True):
+            _draw_curve(ax, time, values, spans)
+            ax.set_ylabel(name)
+        duration = float(time[-1] - time[0])
+        _draw_bands(bands, spans, duration)
         bands.set_xlim(time[0], time[-1])
         share = bands.secondary_yaxis("right")
-        share.set_yticks(list(Task), [f"{100 * shares[code]:.0f} %" for code in Task])
+        share.set_yticks(list(Task), [f"{100 * (task == code).mean():.0f} %" for code in Task])
         share.tick_params(length=0)
         share.set_ylabel("share of time")
         share.spines["right"].set_visible(False)
-        _clock_axis(bands, float(time[-1] - time[0]))
+        _clock_axis(bands, duration)
         figure.align_ylabels(panels)
     return figure
 
 
-def _spans(time_s: FloatArray, task: FloatArray) -> dict[Task, list[tuple[float, float]]]:
+Spans = dict[Task, list[tuple[float, float]]]
+
+
+def _draw_curve(ax: Axes, time_s: FloatArray, values: FloatArray, spans: Spans) -> None:
+    """Draw one velocity over the tasks' colours."""
+    for code, pieces in spans.items():
+        ax.broken_barh(
+            pieces,
+            (0, 1),
+            transform=ax.get_xaxis_transform(),
+            facecolor=TASK_COLOURS[code],
+            alpha=0.22,
+            linewidth=0,
+        )
+    width = 1.1 if time_s[-1] - time_s[0] <= 180 else 0.5
+    ax.axhline(0, color="#888888", linewidth=0.8, linestyle="-")
+    ax.plot(*_thinned(time_s, values), color="black", linestyle="-", linewidth=width)
+    ax.grid(visible=False)
+
+
+def _draw_bands(ax: Axes, spans: Spans, duration_s: float) -> None:
+    """Draw one band per task, a bar for each of its runs."""
+    for code, pieces in spans.items():
+        ax.broken_barh(
+            pieces,
+            (code - 0.4, 0.8),
+            facecolor=TASK_COLOURS[code],
+            # A fine edge in its own colour keeps the shortest task visible.
+            edgecolor=TASK_COLOURS[code],
+            linewidth=0.6,
+        )
+        ax.broken_barh(
+            # In a sliver a hatch only washes out the colour.
+            [piece for piece in pieces if piece[1] > 0.012 * duration_s],
+            (code - 0.4, 0.8),
+            facecolor="none",
+            edgecolor="white",
+            linewidth=0,
+            hatch=TASK_HATCHES[code],
+        )
+    ax.set_ylim(6.6, 0.4)
+    ax.set_yticks(list(Task), [code.title for code in Task])
+    ax.tick_params(axis="y", length=0)
+
+
+def _spans(time_s: FloatArray, task: Codes) -> Spans:
     """Start and duration of every run of each task, s."""
-    starts = np.r_[0, np.nonzero(np.diff(task))[0] + 1]
+    starts = changes_of(task)
     ends = np.r_[time_s[starts[1:]], 2 * time_s[-1] - time_s[-2]]
-    spans: dict[Task, list[tuple[float, float]]] = {}
+    spans: Spans = {}
     for first, end in zip(starts, ends, strict=True):
         begin = float(time_s[first])
         spans.setdefault(Task(int(task[first])), []).append((begin, float(end) - begin))
@@ -147,7 +160,7 @@ def _spans(time_s: FloatArray, task: FloatArray) -> dict[Task, list[tuple[float,
 
 
 def _thinned(time_s: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Leave out what no page shows: of each stretch the smallest and the largest value remain."""
+    """Leave out what no page shows: of each interval the smallest and the largest value remain."""
     if len(values) <= LONGEST_LINE:
         return time_s, values
     edges = np.linspace(0, len(values), LONGEST_LINE // 2 + 1).astype(int)[:-1]
@@ -183,9 +196,7 @@ def draw_frames(geometry: WheelchairGeometry | None = None) -> Figure:
     import matplotlib.pyplot as plt
 
     if geometry is None:
-        geometry = WheelchairGeometry.from_degrees(
-            19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
-        )
+        geometry = SAMPLE_CHAIR
     with use_style():
         figure, (rear, top) = plt.subplots(1, 2, figsize=(9.8, 4.8), width_ratios=[1.22, 1])
         _draw_rear(rear, geometry)
@@ -206,8 +217,7 @@ def _draw_rear(ax: Axes, geometry: WheelchairGeometry) -> None:
     ax.add_patch(Rectangle((-0.21, 0.36), 0.42, 0.05, **BODY))
     ax.add_patch(Polygon([(-0.20, 0.44), (-0.18, 0.74), (0.18, 0.74), (0.20, 0.44)], **BODY))
     centres = {}
-    sides: tuple[Side, Side] = ("left", "right")
-    for side in sides:
+    for side in SIDES:
         centres[side] = _draw_rear_wheel(ax, geometry, side)
     ax.plot(
         *np.transpose(list(centres.values())), color="#9A9A9A", linewidth=4, linestyle="-", zorder=1
@@ -238,7 +248,7 @@ def _draw_rear_wheel(ax: Axes, geometry: WheelchairGeometry, side: Side) -> Floa
 
     sign = side_sign(side)
     colour = SIDE_COLOURS[side]
-    radius = getattr(geometry.wheel_radius_m, side)
+    radius = geometry.wheel_radius_m.of(side)
     centre = _rear(geometry.wheel_centre(side))
     axle = _rear(geometry.axle_direction(side))
     contact = np.array([-sign * geometry.track_m / 2, 0.0])
@@ -286,11 +296,10 @@ def _draw_top(ax: Axes, geometry: WheelchairGeometry) -> None:
     for y in (-0.17, 0.17):
         ax.add_patch(Rectangle((-y - 0.015, 0.40), 0.03, 0.12, facecolor="#8A8A8A"))
         ax.plot([-y, -y], [0.32, 0.42], color="#9A9A9A", linewidth=3, linestyle="-", zorder=0)
-    sides: tuple[Side, Side] = ("left", "right")
-    for side in sides:
+    for side in SIDES:
         colour = SIDE_COLOURS[side]
         centre = geometry.wheel_centre(side)
-        radius = getattr(geometry.wheel_radius_m, side)
+        radius = geometry.wheel_radius_m.of(side)
         width = max(2 * radius * np.sin(geometry.camber_rad), 0.03)
         ax.add_patch(
             Ellipse(

@@ -6,13 +6,13 @@ ours, because the numbers behind the printed one are not available.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_series
 from mobility_imu.plots.drawing import (
     BODY,
@@ -31,20 +31,22 @@ from mobility_imu.plots.drawing import (
 )
 from mobility_imu.plots.style import use_style
 from mobility_imu.plots.wheelchair import TASK_COLOURS, TASK_HATCHES
+from mobility_imu.runs import changes_of
+from mobility_imu.wheelchair.codes import Task, as_codes
 from mobility_imu.wheelchair.geometry import (
     DOCUMENT_TO_CHAIR,
+    SAMPLE_CHAIR,
+    SIDES,
     Side,
     WheelchairGeometry,
     side_sign,
 )
-from mobility_imu.wheelchair.tasks import Task
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 WHEEL, SENSOR, YAW = "#00537F", "#A34700", "#006B4E"
-SIDES: tuple[Side, Side] = ("left", "right")
 # Screen right and up in the chair frame: x forward, y left, z up.
 FROM_BEHIND = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
 FROM_THE_FRONT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
@@ -70,7 +72,7 @@ def document_wheel_axes(geometry: WheelchairGeometry, side: Side) -> FloatArray:
     """
     outward = side_sign(side) * geometry.axle_direction(side)
     contact = np.array([0.0, side_sign(side) * geometry.track_m / 2, 0.0])
-    up = (geometry.wheel_centre(side) - contact) / getattr(geometry.wheel_radius_m, side)
+    up = (geometry.wheel_centre(side) - contact) / geometry.wheel_radius_m.of(side)
     return np.column_stack([np.cross(up, outward), up, outward])
 
 
@@ -79,7 +81,8 @@ def draw_document_frames(geometry: WheelchairGeometry | None = None) -> Figure:
 
     Parameters
     ----------
-    geometry : WheelchairGeometry to draw to scale; the chair of WheelMove-ID's sample if None
+    geometry : WheelchairGeometry to draw to scale; the chair of WheelMove-ID's sample, with equal wheels, if
+        None
 
     Returns
     -------
@@ -88,9 +91,7 @@ def draw_document_frames(geometry: WheelchairGeometry | None = None) -> Figure:
     import matplotlib.pyplot as plt
 
     if geometry is None:
-        geometry = WheelchairGeometry.from_degrees(
-            19, wheel_radius_left_m=0.317, wheel_radius_right_m=0.317, track_m=0.84
-        )
+        geometry = replace(SAMPLE_CHAIR, wheel_radius_left_m=0.317, wheel_radius_right_m=0.317)
     with use_style():
         figure, axes = plt.subplots(2, 2, figsize=(WIDTH_IN, 6.9), width_ratios=[1, 1.4])
         for row, printed in enumerate((True, False)):
@@ -156,7 +157,7 @@ def _draw_chair(ax: Axes, geometry: WheelchairGeometry, *, printed: bool) -> Non
     for side in SIDES:
         axes = document_wheel_axes(geometry, side)
         up, outward = FROM_BEHIND @ axes[:, 1], FROM_BEHIND @ axes[:, 2]
-        radius = getattr(geometry.wheel_radius_m, side)
+        radius = geometry.wheel_radius_m.of(side)
         contact = centres[side] - radius * up
         _edge_on(ax, contact, up, outward, radius)
         inner = centres[side] - 0.045 * outward + 0.1 * up
@@ -243,10 +244,8 @@ def plot_document_chronogram(codes: ArrayLike, linear_velocity_mps: ArrayLike) -
     from matplotlib.patches import Patch
 
     velocity = as_series(linear_velocity_mps, "linear_velocity_mps")
-    task = as_series(codes, "codes", length=len(velocity)).astype(int)
-    if not np.isin(task, list(Task)).all():
-        raise InputError("codes: expected tasks, 1 to 6")
-    edges = np.r_[0, np.nonzero(np.diff(task))[0] + 1, len(task)]
+    task = as_codes(codes, length=len(velocity))
+    edges = [*changes_of(task), len(task)]
     with use_style():
         figure, ax = plt.subplots(figsize=(WIDTH_IN, 4.4))
         for first, stop in pairwise(edges):

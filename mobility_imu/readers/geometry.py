@@ -14,10 +14,22 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.readers.table import read_text
 from mobility_imu.readers.wording import listed, quoted, shown
 
-SECTIONS = ("scooter", "scooter.mount", "wheelchair", "walker", "walker.mount")
+SECTIONS = (
+    "scooter",
+    "scooter.mount",
+    "wheelchair",
+    "wheelchair.mount",
+    "walker",
+    "walker.mount",
+)
 """Every section that a geometry file may have."""
 MOUNT_KEYS: dict[str, tuple[str, ...]] = {
     "scooter.mount": ("rotation_lever_imu_to_lever", "rotation_body_imu_to_body"),
+    "wheelchair.mount": (
+        "rotation_left_imu_to_wheel",
+        "rotation_right_imu_to_wheel",
+        "rotation_frame_imu_to_chair",
+    ),
     "walker.mount": (
         "rotation_imu_to_body",
         "translation_body_m",

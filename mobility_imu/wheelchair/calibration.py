@@ -17,10 +17,26 @@ from numpy.typing import ArrayLike
 from scipy import ndimage
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.recording import Recording
+from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
-from mobility_imu.wheelchair.geometry import Side
+from mobility_imu.wheelchair.geometry import SIDES, Side, WheelPair
+from mobility_imu.wheelchair.mount import WheelchairMount
+
+__all__ = [
+    "AlignmentAngles",
+    "Form",
+    "WheelchairCalibration",
+    "alignment_matrix",
+    "axle_direction",
+    "calibrate_mount",
+    "frame_alignment_angles",
+    "realign",
+    "wheel_alignment_angles",
+]
+
+Form = Literal["corrected", "printed"]
 
 # A chair that stands still shows sensor noise only: a few 0.01 rad/s.
 LARGEST_STILL_RATE_RADPS = 0.1
@@ -68,11 +84,12 @@ def realign(vectors_imu: ArrayLike, rotation_aligned_to_imu: ArrayLike) -> Float
     -------
     (n, 3) array in the aligned axes
     """
-    return as_vectors(vectors_imu, "vectors_imu") @ np.asarray(rotation_aligned_to_imu, float)
+    rotation = as_rotation(rotation_aligned_to_imu, "rotation_aligned_to_imu")
+    return as_vectors(vectors_imu, "vectors_imu") @ rotation
 
 
 def wheel_alignment_angles(
-    rate_imu_radps: ArrayLike, *, form: Literal["any mounting", "printed"] = "any mounting"
+    rate_imu_radps: ArrayLike, *, form: Form = "corrected"
 ) -> AlignmentAngles:
     """Angles gamma and epsilon that turn z onto a wheel's axle (eqs 1.6-1.9).
 
@@ -98,18 +115,16 @@ def wheel_alignment_angles(
     A right wheel whose IMU faces outward turns about -z when it rolls forward. The printed form
     gives the outward axle, the other form the one about which rolling forward is positive.
 
-    >>> for form in ("any mounting", "printed"):
+    >>> for form in ("corrected", "printed"):
     ...     axle = alignment_matrix(*wheel_alignment_angles([0, 0, -5], form=form))[:, 2]
     ...     print(form, axle.round(6) + 0.0)
-    any mounting [ 0.  0. -1.]
+    corrected [ 0.  0. -1.]
     printed [0. 0. 1.]
     """
     return _angles_to_z(rate_imu_radps, "rate_imu_radps", form)
 
 
-def frame_alignment_angles(
-    acc_imu_mps2: ArrayLike, *, form: Literal["any mounting", "printed"] = "any mounting"
-) -> AlignmentAngles:
+def frame_alignment_angles(acc_imu_mps2: ArrayLike, *, form: Form = "corrected") -> AlignmentAngles:
     """Angles sigma and delta that turn z upward (eqs 1.12-1.15).
 
     The document writes the resting acceleration as -z (1.12), which fits a sensor that reports
@@ -128,43 +143,34 @@ def frame_alignment_angles(
     return _angles_to_z(acc_imu_mps2, "acc_imu_mps2", form)
 
 
-def _angles_to_z(vector: ArrayLike, name: str, form: str) -> AlignmentAngles:
-    x, y, z = as_vectors(vector, name)
+def _angles_to_z(vector: ArrayLike, name: str, form: Form) -> AlignmentAngles:
+    one_of("form", form, ("corrected", "printed"))
+    x, y, z = as_vectors(vector, name, ndim=1)
     if not x * x + y * y + z * z > 0:
         raise InputError(f"{name}: a zero vector has no direction")
-    if form == "any mounting":
+    if form == "corrected":
         return AlignmentAngles(float(np.arctan2(x, z)), float(np.arctan2(-y, np.hypot(x, z))))
-    if form != "printed":
-        raise InputError(f"form = {form!r}: expected 'any mounting' or 'printed'")
     if z == 0:
         raise InputError(f"{name}: z = 0, the printed equations divide by it")
     about_y = np.arctan(x / z)
     return AlignmentAngles(float(about_y), float(np.arctan(-y * np.cos(about_y) / z)))
 
 
-@dataclass(frozen=True)
-class WheelchairCalibration:
-    """How the three IMUs sit on the chair.
+@dataclass(frozen=True, eq=False, repr=False)
+class WheelchairCalibration(Result):
+    """Mount of the three IMUs, and how well the trials showed it.
 
     Parameters
     ----------
-    rotation_left_imu_to_wheel, rotation_right_imu_to_wheel : (3, 3) array; the wheel frame's z is
-        the axle, positive when rolling forward (for both wheels)
-    rotation_frame_imu_to_chair : (3, 3) array; chair x forward, y left, z up
+    mount : WheelchairMount
     off_axle_share : (left, right), root mean square of the rate across the axle over that along
-        it in the straight line; near 0 when the chair went straight
+        it in the straight line; near 0 when the chair went straight, NaN without a sensor
+    warnings : sentences on what is missing; empty if nothing is
     """
 
-    rotation_left_imu_to_wheel: FloatArray
-    rotation_right_imu_to_wheel: FloatArray
-    rotation_frame_imu_to_chair: FloatArray
-    off_axle_share: tuple[float, float]
-
-    def rotation_imu_to_wheel(self, side: Side) -> FloatArray:
-        """Give the rotation of one wheel's IMU."""
-        if side == "left":
-            return self.rotation_left_imu_to_wheel
-        return self.rotation_right_imu_to_wheel
+    mount: WheelchairMount
+    off_axle_share: WheelPair
+    warnings: tuple[str, ...] = ()
 
 
 def axle_direction(gyr_radps: ArrayLike) -> tuple[FloatArray, float]:
@@ -181,14 +187,24 @@ def axle_direction(gyr_radps: ArrayLike) -> tuple[FloatArray, float]:
     -------
     direction : (3,) unit array
     off_axle_share : root mean square across over along
+
+    Raises
+    ------
+    InputError
+        If the wheel does not turn, or turns back as far as forward.
     """
-    gyr = as_vectors(gyr_radps, "gyr_radps")
+    gyr = as_vectors(gyr_radps, "gyr_radps", ndim=2, finite=True)
     squares, directions = np.linalg.eigh(gyr.T @ gyr)
-    direction = directions[:, -1] * np.sign((gyr @ directions[:, -1]).sum())
-    return direction, float(np.sqrt(max(squares[0] + squares[1], 0.0) / squares[2]))
+    turned = (gyr @ directions[:, -1]).sum()
+    if not squares[2] > 0 or turned == 0:
+        raise InputError(
+            "gyr_radps: the wheel turns by 0 rad in all, expected a chair that moves forward"
+        )
+    off_axle = float(np.sqrt(max(squares[0] + squares[1], 0.0) / squares[2]))
+    return directions[:, -1] * np.sign(turned), off_axle
 
 
-def calibrate(static: Recording, straight: Recording) -> WheelchairCalibration:
+def calibrate_mount(static: Recording, straight: Recording) -> WheelchairCalibration:
     """Find how the IMUs are mounted, from the two trials of the document (section 1.1).
 
     Up is the frame IMU's mean acceleration at rest, the axles come from the straight line, and
@@ -198,7 +214,7 @@ def calibrate(static: Recording, straight: Recording) -> WheelchairCalibration:
     ----------
     static : the chair standing still
     straight : the chair pushed straight forward, some metres, from rest or rolling; a wheel whose
-        sensor is missing gets a rotation of NaN
+        sensor is missing gets no rotation, with a warning
 
     Returns
     -------
@@ -211,55 +227,72 @@ def calibrate(static: Recording, straight: Recording) -> WheelchairCalibration:
         gives the number that shows it.
     """
     up = _up(static)
-    rotations = {side: np.full((3, 3), np.nan) for side in ("left", "right")}
-    shares = dict.fromkeys(rotations, np.nan)
-    rates = []
-    present = [side for side in rotations if f"{side}_wheel" in straight.sensors]
-    for side in present or rotations:
-        gyr = _gyroscope(straight, f"{side}_wheel")
-        travel = float(np.abs(np.linalg.norm(gyr, axis=1)).sum() / straight.sampling_rate_hz)
-        if travel < SMALLEST_TRAVEL_RAD:
-            raise InputError(
-                f"{straight.source}: the {side} wheel turns {travel:.2f} rad, expected more than "
-                f"{SMALLEST_TRAVEL_RAD:.1f} rad in the straight-line trial"
-            )
+    present = [side for side in SIDES if f"{side}_wheel" in straight.sensors]
+    axles = {side: _axle(straight, side) for side in present or SIDES}
+    _check_heading(straight, up)
+    rates = [straight.gyroscope(f"{side}_wheel") @ axle for side, (axle, _) in axles.items()]
+    forward = _forward(straight, up, np.mean(rates, axis=0))
+    rotations = {
+        side: alignment_matrix(*wheel_alignment_angles(axle)).T for side, (axle, _) in axles.items()
+    }
+    return WheelchairCalibration(
+        mount=WheelchairMount(
+            rotation_left_imu_to_wheel=rotations.get("left"),
+            rotation_right_imu_to_wheel=rotations.get("right"),
+            rotation_frame_imu_to_chair=np.array([forward, np.cross(up, forward), up]),
+        ),
+        off_axle_share=WheelPair(
+            *(axles[side][1] if side in axles else float("nan") for side in SIDES)
+        ),
+        warnings=tuple(
+            f"{straight.source}: no sensor on the {side} wheel; the mount holds for the other only"
+            for side in SIDES
+            if side not in axles
+        ),
+    )
+
+
+def _axle(straight: Recording, side: Side) -> tuple[FloatArray, float]:
+    """Direction and off-axle share of one wheel, from a trial that shows them."""
+    gyr = straight.gyroscope(f"{side}_wheel")
+    travel = float(np.linalg.norm(gyr, axis=1).sum() / straight.sampling_rate_hz)
+    if travel < SMALLEST_TRAVEL_RAD:
+        raise InputError(
+            f"{straight.source}: the {side} wheel turns {travel:.2f} rad, expected more than "
+            f"{SMALLEST_TRAVEL_RAD:.1f} rad in the straight-line trial"
+        )
+    try:
         direction, share = axle_direction(gyr)
-        if share > LARGEST_OFF_AXLE_SHARE:
-            raise InputError(
-                f"{straight.source}: {share:.0%} of the {side} wheel's rate lies across its axle, "
-                f"expected less than {LARGEST_OFF_AXLE_SHARE:.0%}: the chair turned, or the sensor "
-                "is loose"
-            )
-        angles = wheel_alignment_angles(direction)
-        rotations[side] = alignment_matrix(*angles).T
-        rates.append(gyr @ direction)
-        shares[side] = share
-    yaw_rate = _gyroscope(straight, "frame") @ up
-    heading = np.cumsum(yaw_rate) / straight.sampling_rate_hz
+    except InputError as error:
+        raise InputError(f"{straight.source}: {side} wheel: {error}") from None
+    if share > LARGEST_OFF_AXLE_SHARE:
+        raise InputError(
+            f"{straight.source}: {share:.0%} of the {side} wheel's rate lies across its axle, "
+            f"expected less than {LARGEST_OFF_AXLE_SHARE:.0%}: the chair turned, or the sensor "
+            "is loose"
+        )
+    return direction, share
+
+
+def _check_heading(straight: Recording, up: FloatArray) -> None:
+    heading = np.cumsum(straight.gyroscope("frame") @ up) / straight.sampling_rate_hz
     if np.ptp(heading) > LARGEST_HEADING_CHANGE_RAD:
         raise InputError(
             f"{straight.source}: the heading changes by {np.rad2deg(np.ptp(heading)):.0f} deg, "
             f"expected less than {np.rad2deg(LARGEST_HEADING_CHANGE_RAD):.0f} deg in the "
             "straight-line trial"
         )
-    forward = _forward(straight, up, np.mean(rates, axis=0))
-    return WheelchairCalibration(
-        rotation_left_imu_to_wheel=rotations["left"],
-        rotation_right_imu_to_wheel=rotations["right"],
-        rotation_frame_imu_to_chair=np.array([forward, np.cross(up, forward), up]),
-        off_axle_share=(shares["left"], shares["right"]),
-    )
 
 
 def _up(static: Recording) -> FloatArray:
-    imu = static.sensor("frame", gyroscope=True)
-    rate = float(np.sqrt(np.mean(np.square(_gyroscope(static, "frame"))) * 3))
+    rate = float(np.sqrt(np.mean(np.square(static.gyroscope("frame"))) * 3))
     if rate > LARGEST_STILL_RATE_RADPS:
         raise InputError(
             f"{static.source}: the frame turns at {rate:.2f} rad/s (root mean square), expected "
             f"less than {LARGEST_STILL_RATE_RADPS} rad/s in the static trial"
         )
-    return alignment_matrix(*frame_alignment_angles(imu.acc_mps2.mean(axis=0)))[:, 2]
+    resting = static.sensor("frame").acc_mps2.mean(axis=0)
+    return alignment_matrix(*frame_alignment_angles(resting))[:, 2]
 
 
 def _forward(straight: Recording, up: FloatArray, wheel_rate: FloatArray) -> FloatArray:
@@ -279,10 +312,4 @@ def _forward(straight: Recording, up: FloatArray, wheel_rate: FloatArray) -> Flo
             f"than {SMALLEST_RATE_CHANGE_RADPS} rad/s: the frame IMU's forward direction shows "
             "only while the speed changes; start or end the straight line at rest"
         )
-    return pull / np.linalg.norm(pull)
-
-
-def _gyroscope(recording: Recording, sensor: str) -> FloatArray:
-    gyr = recording.sensor(sensor, gyroscope=True).gyr_radps
-    assert gyr is not None  # sensor() refused it otherwise
-    return gyr
+    return np.asarray(pull / np.linalg.norm(pull))

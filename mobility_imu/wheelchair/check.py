@@ -10,11 +10,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray
 from mobility_imu.recording import Recording
-from mobility_imu.wheelchair.calibration import WheelchairCalibration
-from mobility_imu.wheelchair.geometry import WheelchairGeometry
+from mobility_imu.results import Result
+from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
+from mobility_imu.wheelchair.mount import WheelchairMount
+
+__all__ = ["GeometryCheck", "check_geometry"]
 
 SLOWEST_TURN_RADPS = 0.3
 SHORTEST_TURNING_S = 2.0
@@ -22,10 +27,12 @@ SHORTEST_TURNING_S = 2.0
 TRACK_TOLERANCE_M = 0.01
 CAMBER_TOLERANCE_RAD = float(np.deg2rad(2.0))
 RADIUS_TOLERANCE = 0.005
+# Below this, yaw rate and speed tell no track from a mismatch of the radii.
+SMALLEST_INDEPENDENT_PART = 1e-6
 
 
-@dataclass(frozen=True)
-class GeometryCheck:
+@dataclass(frozen=True, eq=False, repr=False)
+class GeometryCheck(Result):
     """What a drive says of the geometry it is analysed with.
 
     Parameters
@@ -35,7 +42,8 @@ class GeometryCheck:
     track_m, track_sd_m : track that fits the turns, with radii and camber as given
     radius_ratio, radius_ratio_sd : factor on right over left radius that fits (1: as given)
     camber_rad, camber_sd_rad : camber from the rate across the axles
-    messages : what is wrong, by how much, in words; empty if all fits
+    geometry : WheelchairGeometry that was checked
+    warnings : what is wrong, by how much, in words; empty if all fits
     """
 
     yaw_gain_left: float
@@ -46,11 +54,12 @@ class GeometryCheck:
     radius_ratio_sd: float
     camber_rad: float
     camber_sd_rad: float
-    messages: tuple[str, ...]
+    geometry: WheelchairGeometry
+    warnings: tuple[str, ...] = ()
 
 
 def check_geometry(
-    trial: Recording, calibration: WheelchairCalibration, geometry: WheelchairGeometry
+    recording: Recording, geometry: WheelchairGeometry, mount: WheelchairMount
 ) -> GeometryCheck:
     """Compare the wheels with the frame over a drive with turns.
 
@@ -58,9 +67,10 @@ def check_geometry(
 
     Parameters
     ----------
-    trial : Recording with sensors frame, left_wheel, right_wheel
-    calibration : from :func:`mobility_imu.wheelchair.calibration.calibrate`
+    recording : Recording with sensors frame, left_wheel, right_wheel
     geometry : WheelchairGeometry to be checked
+    mount : WheelchairMount, from
+        :func:`~mobility_imu.wheelchair.calibration.calibrate_mount`
 
     Returns
     -------
@@ -69,84 +79,105 @@ def check_geometry(
     Raises
     ------
     InputError
-        If the chair turns for less than two seconds in all.
+        If a sensor is missing in the recording or in the mount, the chair turns for less than two
+        seconds in all, or its speed goes with its yaw rate throughout.
     """
-    frame = np.asarray(trial.sensor("frame", gyroscope=True).gyr_radps)
-    yaw = frame @ calibration.rotation_frame_imu_to_chair[2]
-    wheels = {
-        side: np.asarray(trial.sensor(f"{side}_wheel", gyroscope=True).gyr_radps) @ rotation.T
-        for side, rotation in (
-            ("left", calibration.rotation_left_imu_to_wheel),
-            ("right", calibration.rotation_right_imu_to_wheel),
-        )
-    }
+    yaw = mount.frame(recording.gyroscope("frame"))[:, 2]
+    wheels = [mount.wheel(side, recording.gyroscope(f"{side}_wheel")) for side in SIDES]
     turning = np.abs(yaw) > SLOWEST_TURN_RADPS
-    fs = trial.sampling_rate_hz
+    fs = recording.sampling_rate_hz
     if turning.sum() < SHORTEST_TURNING_S * fs:
         raise InputError(
-            f"{trial.source}: {turning.sum() / fs:.1f} s of turning faster than "
+            f"{recording.source}: {turning.sum() / fs:.1f} s of turning faster than "
             f"{SLOWEST_TURN_RADPS} rad/s, expected at least {SHORTEST_TURNING_S} s to check with"
         )
-    radius = geometry.wheel_radius_m
-    left, right = radius.left * wheels["left"][:, 2], radius.right * wheels["right"][:, 2]
+    left, right = (
+        radius * rate[:, 2] for radius, rate in zip(geometry.wheel_radius_m, wheels, strict=True)
+    )
     speed, apart = (left + right) / 2, right - left
     moving = turning | (np.abs(speed) > 0.2)
     design = np.column_stack([yaw, speed])[moving]
+    sizes = np.linalg.svd(design, compute_uv=False)
+    if sizes[1] <= SMALLEST_INDEPENDENT_PART * sizes[0]:
+        raise InputError(
+            f"{recording.source}: the wheels' speed is proportional to the yaw rate throughout, "
+            "expected turns and straight lines; do both wheel sensors work?"
+        )
     (distance, mismatch), distance_sd, mismatch_sd = _fit(design, apart[moving], fs)
-    lean = geometry.track_m - geometry.wheel_centre_distance_m
     gains = [
         float((apart - mismatch * speed)[way] @ yaw[way] / (yaw[way] @ yaw[way]))
         / geometry.wheel_centre_distance_m
         if way.sum() >= SHORTEST_TURNING_S / 2 * fs
-        else np.nan
+        else float("nan")
         for way in (turning & (yaw > 0), turning & (yaw < 0))
     ]
-    camber, camber_sd = _camber(wheels["left"], wheels["right"], yaw, turning)
-    # apart = (1 + e/2) right - (1 - e/2) left has the speed term e: undo it on the ratio.
-    ratio = 1 - mismatch
-    messages = []
-    if distance < 0:
-        gain = distance / geometry.wheel_centre_distance_m
-        messages.append(
-            f"the wheels turn against the frame (gain {gain:.2f}): left and right wheel sensor are "
-            "swapped, or the frame's sensor is upside down"
-        )
-    else:
-        off = distance + lean - geometry.track_m
-        resized = geometry.track_m / (distance + lean) - 1  # they set the scale and the lean
-        if abs(off) > max(TRACK_TOLERANCE_M, 3 * distance_sd):
-            messages.append(
-                f"the turns fit a track of {distance + lean:.3f} m, not {geometry.track_m:.3f} m "
-                f"({off:+.3f} m); or both radii should be {resized:+.1%} of what is given, or the "
-                "camber is off"
-            )
-        if abs(mismatch) > max(RADIUS_TOLERANCE, 3 * mismatch_sd):
-            messages.append(
-                "driving straight, the wheels differ: the right radius over the left one should be "
-                f"{ratio:.4f} times what is given"
-            )
-    tilt = camber - geometry.camber_rad
-    if np.isfinite(camber) and abs(tilt) > max(CAMBER_TOLERANCE_RAD, 3 * camber_sd):
-        messages.append(
-            f"the rates across the axles fit a camber of {np.rad2deg(camber):.1f} deg, not "
-            f"{np.rad2deg(geometry.camber_rad):.1f} deg"
-        )
+    camber, camber_sd = _camber(wheels[0], wheels[1], yaw, turning)
+    lean = geometry.track_m - geometry.wheel_centre_distance_m
     return GeometryCheck(
         yaw_gain_left=gains[0],
         yaw_gain_right=gains[1],
         track_m=float(distance + lean),
         track_sd_m=distance_sd,
-        radius_ratio=float(ratio),
+        # A radius mismatch e adds e times the speed; the ratio that fits is 1 - e (first order).
+        radius_ratio=float(1 - mismatch),
         radius_ratio_sd=mismatch_sd,
         camber_rad=camber,
         camber_sd_rad=camber_sd,
-        messages=tuple(messages),
+        geometry=geometry,
+        warnings=(
+            *_on_distances(geometry, float(distance), distance_sd, float(mismatch), mismatch_sd),
+            *_on_camber(geometry, camber, camber_sd),
+        ),
     )
 
 
-def _fit(design: np.ndarray, target: np.ndarray, fs: float) -> tuple[np.ndarray, float, float]:
+def _on_distances(
+    geometry: WheelchairGeometry,
+    distance: float,
+    distance_sd: float,
+    mismatch: float,
+    mismatch_sd: float,
+) -> list[str]:
+    """Sentences on track and radii that do not fit, or on swapped sensors."""
+    if distance < 0:
+        gain = distance / geometry.wheel_centre_distance_m
+        return [
+            f"the wheels turn against the frame (gain {gain:.2f}): left and right wheel sensor are "
+            "swapped, or the frame's sensor is upside down"
+        ]
+    sentences = []
+    track = distance + geometry.track_m - geometry.wheel_centre_distance_m
+    off = track - geometry.track_m
+    if abs(off) > max(TRACK_TOLERANCE_M, 3 * distance_sd):
+        # Radii scale both the speed difference and the lean.
+        resized = geometry.track_m / track - 1
+        sentences.append(
+            f"the turns fit a track of {track:.3f} m, not {geometry.track_m:.3f} m "
+            f"({off:+.3f} m); or both radii should be {resized:+.1%} of what is given, or the "
+            "camber is off"
+        )
+    if abs(mismatch) > max(RADIUS_TOLERANCE, 3 * mismatch_sd):
+        sentences.append(
+            "driving straight, the wheels differ: the right radius over the left one should be "
+            f"{1 - mismatch:.4f} times what is given"
+        )
+    return sentences
+
+
+def _on_camber(geometry: WheelchairGeometry, camber: float, camber_sd: float) -> list[str]:
+    """Sentence on a camber that does not fit."""
+    off = abs(camber - geometry.camber_rad)
+    if not np.isfinite(camber) or off <= max(CAMBER_TOLERANCE_RAD, 3 * camber_sd):
+        return []
+    return [
+        f"the rates across the axles fit a camber of {np.rad2deg(camber):.1f} deg, not "
+        f"{np.rad2deg(geometry.camber_rad):.1f} deg"
+    ]
+
+
+def _fit(design: FloatArray, target: FloatArray, fs: float) -> tuple[FloatArray, float, float]:
     """Least squares; residuals last about a push, so a second counts as one observation."""
-    found, *_ = np.linalg.lstsq(design, target, rcond=None)
+    found = np.asarray(np.linalg.lstsq(design, target, rcond=None)[0], float)
     residual = target - design @ found
     independent = max(len(target) / fs, 3.0)
     covariance = np.linalg.inv(design.T @ design) * residual.var() * len(target) / independent
@@ -154,7 +185,7 @@ def _fit(design: np.ndarray, target: np.ndarray, fs: float) -> tuple[np.ndarray,
 
 
 def _camber(
-    left: np.ndarray, right: np.ndarray, yaw: np.ndarray, turning: np.ndarray
+    left: FloatArray, right: FloatArray, yaw: FloatArray, turning: NDArray[np.bool_]
 ) -> tuple[float, float]:
     """Camber from cos(camber) = rate across the axle / yaw rate, both wheels.
 

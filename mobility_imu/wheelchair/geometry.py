@@ -13,10 +13,23 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.readers.geometry import read_section
 
+__all__ = [
+    "DOCUMENT_TO_CHAIR",
+    "SAMPLE_CHAIR",
+    "SIDES",
+    "Side",
+    "WheelPair",
+    "WheelchairGeometry",
+    "side_sign",
+]
+
 Side = Literal["left", "right"]
+SIDES: tuple[Side, Side] = ("left", "right")
+SMALLEST_CAMBER_RAD, LARGEST_CAMBER_RAD = -0.1, float(np.deg2rad(35))
+"""Between these lies the camber of any chair."""
 
 DOCUMENT_TO_CHAIR = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotation from the axes of WheelMove-ID's Figure 1 (v0) to the chair frame, (3, 3).
@@ -29,10 +42,24 @@ DOCUMENT_TO_CHAIR.setflags(write=False)
 
 
 class WheelPair(NamedTuple):
-    """One value per wheel."""
+    """One value per wheel.
+
+    Parameters
+    ----------
+    left, right : float
+    """
 
     left: float
     right: float
+
+    def of(self, side: Side) -> float:
+        """Value of one wheel.
+
+        Parameters
+        ----------
+        side : "left" or "right"
+        """
+        return self.left if side_sign(side) > 0 else self.right
 
 
 @dataclass(frozen=True)
@@ -65,22 +92,25 @@ class WheelchairGeometry:
     track_m: float
 
     def __post_init__(self) -> None:
-        """Refuse what no chair can have."""
-        if not np.isfinite(self.camber_rad) or not -0.1 <= self.camber_rad <= np.deg2rad(35):
+        """Check that the lengths and the angle can be those of a chair."""
+        for name in ("camber_rad", "wheel_radius_left_m", "wheel_radius_right_m", "track_m"):
+            object.__setattr__(self, name, as_number(getattr(self, name), name, negative=True))
+        if not SMALLEST_CAMBER_RAD <= self.camber_rad <= LARGEST_CAMBER_RAD:
             hint = " (a camber in degrees?)" if self.camber_rad > 1 else ""
             raise InputError(
-                f"camber_rad = {self.camber_rad:g}: expected between -0.1 and 0.61 rad{hint}"
+                f"camber_rad = {self.camber_rad:g}: expected between {SMALLEST_CAMBER_RAD} and "
+                f"{LARGEST_CAMBER_RAD:.2f} rad{hint}"
             )
         for name in ("wheel_radius_left_m", "wheel_radius_right_m"):
             radius = getattr(self, name)
-            if not np.isfinite(radius) or not 0.1 <= radius <= 0.5:
+            if not 0.1 <= radius <= 0.5:
                 hint = ""
                 if 10 <= radius <= 50:
                     hint = " (in cm?)"
                 elif 0.5 < radius <= 2.5:
                     hint = " (a diameter or circumference?)"
                 raise InputError(f"{name} = {radius:g}: expected between 0.1 and 0.5 m{hint}")
-        if not np.isfinite(self.track_m) or not 0.3 <= self.track_m <= 1.5:
+        if not 0.3 <= self.track_m <= 1.5:
             hint = " (in cm?)" if self.track_m > 30 else ""
             raise InputError(f"track_m = {self.track_m:g}: expected between 0.3 and 1.5 m{hint}")
         if self.wheel_centre_distance_m < 0.2:
@@ -98,10 +128,32 @@ class WheelchairGeometry:
         wheel_radius_right_m: float,
         track_m: float,
     ) -> WheelchairGeometry:
-        """Make it with the camber in degrees."""
-        if 0 < abs(camber_deg) < 0.61:
+        """Geometry with the camber in degrees.
+
+        Parameters
+        ----------
+        camber_deg : deg, positive with the wheels' tops leaning in
+        wheel_radius_left_m, wheel_radius_right_m : m, from axle to floor along the wheel
+        track_m : m, between the wheels' contacts with the floor
+
+        Returns
+        -------
+        WheelchairGeometry
+
+        Raises
+        ------
+        InputError
+            If a value is impossible, or the camber seems to be in radians.
+        """
+        camber_deg = as_number(camber_deg, "camber_deg", negative=True)
+        low, high = np.rad2deg([SMALLEST_CAMBER_RAD, LARGEST_CAMBER_RAD])
+        if 0 < abs(camber_deg) < LARGEST_CAMBER_RAD:
             raise InputError(
                 f"camber_deg = {camber_deg:g}: no camber is that small; is it in radians?"
+            )
+        if not low <= camber_deg <= high:
+            raise InputError(
+                f"camber_deg = {camber_deg:g}: expected between {low:.1f} and {high:g} deg"
             )
         return cls(
             float(np.deg2rad(camber_deg)), wheel_radius_left_m, wheel_radius_right_m, track_m
@@ -116,23 +168,82 @@ class WheelchairGeometry:
         wheel_circumference_right_m: float,
         track_m: float,
     ) -> WheelchairGeometry:
-        """Make it from the wheels' roll-out lengths (m), which are easier to measure."""
+        """Geometry from the wheels' roll-out lengths, which are easier to measure than radii.
+
+        Parameters
+        ----------
+        camber_deg : deg, positive with the wheels' tops leaning in
+        wheel_circumference_left_m, wheel_circumference_right_m : m, rolled in one turn
+        track_m : m, between the wheels' contacts with the floor
+
+        Returns
+        -------
+        WheelchairGeometry
+
+        Raises
+        ------
+        InputError
+            If a value is impossible; the message gives radii, not roll-out lengths.
+        """
+        left, right = (
+            as_number(length, name) / (2 * np.pi)
+            for name, length in (
+                ("wheel_circumference_left_m", wheel_circumference_left_m),
+                ("wheel_circumference_right_m", wheel_circumference_right_m),
+            )
+        )
         return cls.from_degrees(
-            camber_deg,
-            wheel_radius_left_m=wheel_circumference_left_m / (2 * np.pi),
-            wheel_radius_right_m=wheel_circumference_right_m / (2 * np.pi),
-            track_m=track_m,
+            camber_deg, wheel_radius_left_m=left, wheel_radius_right_m=right, track_m=track_m
         )
 
     @classmethod
     def from_toml(cls, path: str | Path) -> WheelchairGeometry:
-        """Read section [wheelchair] of a geometry file."""
+        """Geometry from section [wheelchair] of a geometry file.
+
+        Parameters
+        ----------
+        path : TOML file
+
+        Returns
+        -------
+        WheelchairGeometry
+
+        Raises
+        ------
+        InputError
+            If there is no such file or section, a key is missing or unknown, or a value is
+            impossible; the message names the file.
+        """
         keys = ("camber_deg", "wheel_radius_left_m", "wheel_radius_right_m", "track_m")
         values = read_section(path, "wheelchair", keys)
         try:
             return cls.from_degrees(values.pop("camber_deg"), **values)
         except InputError as error:
             raise InputError(f"{path}, [wheelchair]: {error}") from None
+
+    def to_toml(self, path: str | Path | None = None) -> str:
+        """Text of section [wheelchair], as :meth:`from_toml` reads it.
+
+        Parameters
+        ----------
+        path : file to write the text into; None writes nothing
+
+        Returns
+        -------
+        str
+        """
+        # Twelve digits: radians and back leave the last ones of 19 degrees wrong.
+        camber_deg = float(f"{np.rad2deg(self.camber_rad):.12g}")
+        text = (
+            "[wheelchair]\n"
+            f"camber_deg = {camber_deg}\n"
+            f"wheel_radius_left_m = {self.wheel_radius_left_m}\n"
+            f"wheel_radius_right_m = {self.wheel_radius_right_m}\n"
+            f"track_m = {self.track_m}\n"
+        )
+        if path is not None:
+            Path(path).write_text(text)
+        return text
 
     @property
     def wheel_radius_m(self) -> WheelPair:
@@ -145,21 +256,57 @@ class WheelchairGeometry:
         return self.track_m - float(sum(self.wheel_radius_m) * np.sin(self.camber_rad))
 
     def axle_direction(self, side: Side) -> FloatArray:
-        """Unit vector of a wheel's axle in the chair frame, forward spin positive, (3,)."""
+        """Unit vector of a wheel's axle in the chair frame, forward spin positive.
+
+        Parameters
+        ----------
+        side : "left" or "right"
+
+        Returns
+        -------
+        (3,) array
+        """
         lean = side_sign(side) * np.sin(self.camber_rad)
         return np.array([0.0, np.cos(self.camber_rad), lean])
 
     def wheel_centre(self, side: Side) -> FloatArray:
-        """Position of a wheel's centre in the chair frame, m, (3,)."""
+        """Position of a wheel's centre in the chair frame.
+
+        Parameters
+        ----------
+        side : "left" or "right"
+
+        Returns
+        -------
+        (3,) array, m
+        """
         sign = side_sign(side)
-        radius = getattr(self.wheel_radius_m, side)
+        radius = self.wheel_radius_m.of(side)
         inward = radius * np.sin(self.camber_rad)
         height = radius * np.cos(self.camber_rad)
         return np.array([0.0, sign * (self.track_m / 2 - inward), height])
 
 
+SAMPLE_CHAIR = WheelchairGeometry.from_degrees(
+    19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
+)
+"""Chair of WheelMove-ID's public sample, from its file ``Properties.txt``."""
+
+
 def side_sign(side: Side) -> int:
-    """+1 for the left wheel (y > 0), -1 for the right one."""
-    if side not in ("left", "right"):
-        raise InputError(f"side = {side!r}: expected 'left' or 'right'")
-    return 1 if side == "left" else -1
+    """+1 for the left wheel (y > 0), -1 for the right one.
+
+    Parameters
+    ----------
+    side : "left" or "right"
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    InputError
+        If it is neither.
+    """
+    return 1 if one_of("side", side, SIDES) == "left" else -1

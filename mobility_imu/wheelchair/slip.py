@@ -1,9 +1,9 @@
 """Wheel slip: where wheels and frame disagree on the yaw rate, and what to put there instead.
 
-Finding slip is the public tool's rule (it is not in version 0 of the document), with frames turned
-into seconds. Mending it is done in two ways. The tool integrates the frame's acceleration. Ours
-asks first which wheel slips: with the frame's yaw rate known, either wheel alone gives the speed,
-and the one that still rolls agrees with the acceleration. Only where neither does is it integrated.
+Slip is found by the public tool's rule (it is not in version 0 of the document), with frames turned
+into seconds. There are two corrections. The tool integrates the frame's acceleration. Ours first
+finds which wheel slips: with the frame's yaw rate known, either wheel alone gives the speed, and
+the one that still rolls agrees with the acceleration. It integrates only where neither does.
 """
 
 from __future__ import annotations
@@ -11,17 +11,33 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_series
+from mobility_imu.frames import FloatArray, as_count, as_number, as_series, check_positive, one_of
+from mobility_imu.results import Result
+from mobility_imu.runs import changes_of, runs_of
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
 
 if TYPE_CHECKING:
     import pandas as pd
+
+__all__ = [
+    "SlipMethod",
+    "SlipReport",
+    "SlipSettings",
+    "SlipWindows",
+    "Source",
+    "WheelSpeeds",
+    "correct_slip",
+    "detect_slip",
+    "slip_report",
+    "slip_sources",
+    "wheel_speeds",
+]
 
 SlipMethod = Literal["wheels", "tool"]
 # A wheel that rolls departs from the integrated acceleration by what a frame that rocks by 1
@@ -38,11 +54,24 @@ class Source(IntEnum):
     ACCELERATION = 3
 
 
-class WheelSpeeds(NamedTuple):
-    """The chair's speed from each wheel alone, m/s, (n,) arrays."""
+@dataclass(frozen=True, eq=False, repr=False)
+class WheelSpeeds(Result):
+    """The chair's speed from each wheel alone.
+
+    Parameters
+    ----------
+    left, right : (n,) arrays, m/s, finite
+    """
 
     left: FloatArray
     right: FloatArray
+
+    def __post_init__(self) -> None:
+        """Check that both are series of one length."""
+        object.__setattr__(self, "left", as_series(self.left, "wheels.left"))
+        right = as_series(self.right, "wheels.right", length=len(self.left))
+        object.__setattr__(self, "right", right)
+        super().__post_init__()
 
 
 def wheel_speeds(
@@ -60,7 +89,7 @@ def wheel_speeds(
     Parameters
     ----------
     linear_velocity_mps : (n,) array, m/s, mean of the wheels
-    wheel_yaw_rate_radps : (n,) array, rad/s, from spins and track (sign-safe)
+    wheel_yaw_rate_radps : (n,) array, rad/s, from spins and track (the corrected form)
     yaw_rate_radps : (n,) array, rad/s, frame gyroscope
     geometry : WheelchairGeometry
 
@@ -79,8 +108,10 @@ def wheel_speeds(
     >>> print(speeds.left.round(3), speeds.right.round(3))
     [1.5] [2.1]
     """
-    velocity = np.asarray(linear_velocity_mps, float)
-    excess = np.asarray(wheel_yaw_rate_radps, float) - np.asarray(yaw_rate_radps, float)
+    velocity = as_series(linear_velocity_mps, "linear_velocity_mps")
+    excess = as_series(
+        wheel_yaw_rate_radps, "wheel_yaw_rate_radps", length=len(velocity)
+    ) - as_series(yaw_rate_radps, "yaw_rate_radps", length=len(velocity))
     half = excess * geometry.track_m / 2
     return WheelSpeeds(velocity - half, velocity + half)
 
@@ -103,20 +134,78 @@ class SlipSettings:
     low_pass_hz: float = 2.0
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be a setting."""
-        for name, value in vars(self).items():
-            if not np.isfinite(value) or value < 0 or (value == 0 and name != "merge_gap_s"):
-                raise InputError(f"{name} = {value}: expected a positive number")
+        """Check the numbers."""
+        check_positive(self, allow_zero=("merge_gap_s",))
 
 
-class SlipWindows(NamedTuple):
-    """First and last sample of each window of slip."""
+@dataclass(frozen=True, eq=False, repr=False)
+class SlipWindows(Result):
+    """First and last sample of each window of slip.
+
+    Parameters
+    ----------
+    first, last : (k,) arrays of whole numbers, rising; last is not before first
+    settings : SlipSettings that the windows were found with
+
+    Raises
+    ------
+    InputError
+        If the two differ in length, are no whole numbers, or are out of order.
+    """
 
     first: NDArray[np.int64]
     last: NDArray[np.int64]
+    settings: SlipSettings = SlipSettings()
+
+    def __post_init__(self) -> None:
+        """Check that the windows follow one another."""
+        first, last = (
+            as_series(getattr(self, name), f"windows.{name}") for name in ("first", "last")
+        )
+        whole = all((ends == np.round(ends)).all() for ends in (first, last))
+        if len(first) != len(last) or not whole:
+            raise InputError("windows: expected as many first as last samples, whole numbers")
+        if (first < 0).any() or (last < first).any() or (first[1:] <= last[:-1]).any():
+            raise InputError("windows: expected windows that end before the next one begins")
+        object.__setattr__(self, "first", first.astype(np.int64))
+        object.__setattr__(self, "last", last.astype(np.int64))
+        super().__post_init__()
+
+    def __len__(self) -> int:
+        """Return the number of windows."""
+        return len(self.first)
+
+    def within(self, count: int) -> SlipWindows:
+        """The same windows, checked to lie inside a recording.
+
+        Parameters
+        ----------
+        count : samples of the recording
+
+        Raises
+        ------
+        InputError
+            If the last window ends after the recording.
+        """
+        if len(self) and self.last[-1] >= count:
+            raise InputError(
+                f"windows: the last one ends at sample {self.last[-1]}, but there are {count} "
+                "samples; were they found in another recording?"
+            )
+        return self
 
     def flags(self, count: int) -> NDArray[np.bool_]:
-        """One flag per sample."""
+        """One flag per sample, True inside the windows.
+
+        Parameters
+        ----------
+        count : samples of the recording
+
+        Returns
+        -------
+        (count,) bool array
+        """
+        self.within(as_count(count, "count", least=0))
         edge = np.zeros(count + 1, int)
         np.add.at(edge, self.first, 1)
         np.add.at(edge, self.last + 1, -1)
@@ -145,14 +234,15 @@ def detect_slip(
     settings = settings or SlipSettings()
     yaw = as_series(yaw_rate_radps, "yaw_rate_radps")
     wheels = as_series(wheel_yaw_rate_radps, "wheel_yaw_rate_radps", length=len(yaw))
-    apart = np.abs(yaw - wheels) > settings.threshold_radps
-    change = np.diff(np.r_[0, apart.astype(np.int8), 0])
-    first, last = np.nonzero(change == 1)[0], np.nonzero(change == -1)[0] - 1
+    fs = as_number(sampling_rate_hz, "sampling_rate_hz")
+    runs = runs_of(np.abs(yaw - wheels) > settings.threshold_radps)
+    first = np.array([run.start for run in runs], np.int64)
+    last = np.array([run.stop - 1 for run in runs], np.int64)
+    if not runs:
+        return SlipWindows(first, last, settings)
     # Counted between samples, as the tool does; the small term keeps 10 frames 10 frames.
-    together = (first[1:] - last[:-1]) < settings.merge_gap_s * sampling_rate_hz - 1e-9
-    if len(first) == 0:
-        return SlipWindows(first, last)
-    return SlipWindows(first[np.r_[True, ~together]], last[np.r_[~together, True]])
+    together = (first[1:] - last[:-1]) < settings.merge_gap_s * fs - 1e-9
+    return SlipWindows(first[np.r_[True, ~together]], last[np.r_[~together, True]], settings)
 
 
 def correct_slip(
@@ -163,7 +253,7 @@ def correct_slip(
     settings: SlipSettings | None = None,
     *,
     wheels: WheelSpeeds | None = None,
-    method: SlipMethod = "tool",
+    method: SlipMethod = "wheels",
 ) -> FloatArray:
     """Replace the mean of the wheels by something better in the longer slip windows.
 
@@ -173,8 +263,8 @@ def correct_slip(
     forward_acc_mps2 : (n,) array, m/s², frame IMU, forward
     windows : from :func:`detect_slip`
     sampling_rate_hz : Hz
-    settings : SlipSettings; the tool's values if None
-    wheels : WheelSpeeds, for method "wheels"
+    settings : SlipSettings; those that the windows were found with if None
+    wheels : WheelSpeeds, from :func:`wheel_speeds`; method "wheels" needs them
     method : "wheels" takes the wheel that :func:`slip_sources` finds to roll, and integrates where
         none does. "tool" always integrates: from the speed before the window; what it misses at
         the end is taken off linearly, which also removes a constant tilt or bias of the
@@ -188,25 +278,31 @@ def correct_slip(
     Raises
     ------
     InputError
-        If the method is neither, or "wheels" has no wheel speeds.
+        If the method is neither, or "wheels" has no wheel speeds; "tool": if the sampling rate is
+        too low for the low-pass.
     """
-    settings = settings or SlipSettings()
+    settings = settings or windows.settings
+    one_of("method", method, ("wheels", "tool"))
     velocity = as_series(linear_velocity_mps, "linear_velocity_mps").copy()
     acc = as_series(forward_acc_mps2, "forward_acc_mps2", length=len(velocity))
-    if method not in ("wheels", "tool"):
-        raise InputError(f"method = {method!r}: expected 'wheels' or 'tool'")
-    long = _long_enough(windows, sampling_rate_hz, settings)
+    sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+    long = _long_enough(windows.within(len(velocity)), sampling_rate_hz, settings)
     if method == "wheels":
         if wheels is None:
             raise InputError("wheels: method 'wheels' needs the speed from each wheel")
+        as_series(wheels.left, "wheels.left", length=len(velocity))
         source = slip_sources(wheels, acc, windows, sampling_rate_hz, settings)
         for first, last in zip(windows.first[long], windows.last[long], strict=True):
             here = slice(first, last + 1)
             if (source[here] == Source.ACCELERATION).any():
                 velocity[here] = _integrated(velocity, acc, first, last, sampling_rate_hz)
-        for wheel, code in zip(wheels, (Source.LEFT_WHEEL, Source.RIGHT_WHEEL), strict=True):
-            velocity = np.where(source == code, wheel, velocity)
-        return velocity
+        velocity = np.where(source == Source.LEFT_WHEEL, wheels.left, velocity)
+        return np.where(source == Source.RIGHT_WHEEL, wheels.right, velocity)
+    if settings.low_pass_hz >= sampling_rate_hz / 2:
+        raise InputError(
+            f"low_pass_hz = {settings.low_pass_hz:g}: expected less than half the sampling rate of "
+            f"{sampling_rate_hz:g} Hz; record faster, or lower it in SlipSettings"
+        )
     if not long.any():
         return velocity
     from scipy import signal
@@ -230,7 +326,7 @@ def slip_sources(
 
     Each wheel's speed is held against the acceleration, integrated between that wheel's own two
     ends of the window: of a wheel that slips and grips again only the middle departs. Where the
-    disagreement changes sign, slip may have changed wheels: each stretch is judged by itself.
+    disagreement changes sign, slip may have changed wheels: each interval is judged by itself.
 
     Parameters
     ----------
@@ -238,7 +334,7 @@ def slip_sources(
     forward_acc_mps2 : (n,) array, m/s², frame IMU, forward
     windows : from :func:`detect_slip`
     sampling_rate_hz : Hz
-    settings : SlipSettings
+    settings : SlipSettings; those that the windows were found with if None
 
     Returns
     -------
@@ -247,20 +343,19 @@ def slip_sources(
     within half of what parts the two wheels: then it is nearer to the acceleration than to the
     other wheel, whatever a slope does to the acceleration. Else both slip: ACCELERATION.
     """
-    settings = settings or SlipSettings()
-    left = as_series(wheels.left, "wheels.left")
-    right = as_series(wheels.right, "wheels.right", length=len(left))
+    settings = settings or windows.settings
+    left, right = wheels.left, wheels.right
     acc = as_series(forward_acc_mps2, "forward_acc_mps2", length=len(left))
+    sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
     source = np.zeros(len(left), np.int8)
-    long = _long_enough(windows, sampling_rate_hz, settings)
+    long = _long_enough(windows.within(len(left)), sampling_rate_hz, settings)
     for first, last in zip(windows.first[long], windows.last[long], strict=True):
         here = slice(first, last + 1)
         departures = [
             wheel[here] - _integrated(wheel, acc, first, last, sampling_rate_hz)
             for wheel in (left, right)
         ]
-        faster = right[here] > left[here]
-        edges = np.r_[0, np.nonzero(np.diff(faster))[0] + 1, last + 1 - first]
+        edges = [*changes_of(right[here] > left[here]), last + 1 - first]
         for begin, end in pairwise(edges):
             sizes = [_rms(d[begin:end]) for d in departures]
             best = int(np.argmin(sizes))
@@ -299,11 +394,11 @@ def _integrated(
         path = speed[before] + gained
         if after > last:
             path = path - (path[-1] - speed[after]) * np.linspace(0, 1, len(path))
-    return path[first - before : last - before + 1]
+    return np.asarray(path[first - before : last - before + 1])
 
 
-@dataclass(frozen=True)
-class SlipReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class SlipReport(Result):
     """What was found and changed, window by window and in all.
 
     Parameters
@@ -313,6 +408,7 @@ class SlipReport:
     largest_change_mps : (k,) array, m/s, of each window
     sources : one text per window: where its speed comes from
     share, corrected_share : of all samples, flagged and corrected, 0 to 1
+    settings : SlipSettings that were used
     """
 
     start_s: FloatArray
@@ -322,6 +418,7 @@ class SlipReport:
     sources: tuple[str, ...]
     share: float
     corrected_share: float
+    settings: SlipSettings = SlipSettings()
 
     @property
     def largest_change(self) -> float:
@@ -329,7 +426,13 @@ class SlipReport:
         return float(self.largest_change_mps.max(initial=0.0))
 
     def to_frame(self) -> pd.DataFrame:
-        """Give a table with one row per window."""
+        """Table with one row per window.
+
+        Returns
+        -------
+        DataFrame
+            ``start_s``, ``end_s``, ``corrected``, ``largest_change_mps`` and ``speed_from``
+        """
         import pandas as pd
 
         return pd.DataFrame(
@@ -359,17 +462,23 @@ def slip_report(
     uncorrected_mps, corrected_mps : (n,) arrays, m/s
     windows : from :func:`detect_slip`
     sampling_rate_hz : Hz
-    settings : SlipSettings that were used
+    settings : SlipSettings; those that the windows were found with if None
     source : (n,) array from :func:`slip_sources`; None for the tool's method
 
     Returns
     -------
     SlipReport
     """
+    settings = settings or windows.settings
     before = as_series(uncorrected_mps, "uncorrected_mps")
-    change = np.abs(as_series(corrected_mps, "corrected_mps", length=len(before)) - before)
-    corrected = _long_enough(windows, sampling_rate_hz, settings or SlipSettings())
-    codes = np.full(len(before), Source.ACCELERATION) if source is None else np.asarray(source)
+    count = len(before)
+    change = np.abs(as_series(corrected_mps, "corrected_mps", length=count) - before)
+    sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+    corrected = _long_enough(windows.within(count), sampling_rate_hz, settings)
+    codes = np.full(count, float(Source.ACCELERATION)) if source is None else source
+    codes = as_series(codes, "source", length=count)
+    if not np.isin(codes, list(Source)).all():
+        raise InputError("source: expected codes of Source, 0 to 3")
     texts, largest = [], []
     for first, last, long in zip(windows.first, windows.last, corrected, strict=True):
         used = np.unique(codes[first : last + 1]) if long else [Source.BOTH_WHEELS]
@@ -382,6 +491,7 @@ def slip_report(
         corrected=corrected,
         largest_change_mps=np.array(largest, float),
         sources=tuple(texts),
-        share=float(lengths.sum() / len(before)),
-        corrected_share=float(lengths[corrected].sum() / len(before)),
+        share=float(lengths.sum() / max(count, 1)),
+        corrected_share=float(lengths[corrected].sum() / max(count, 1)),
+        settings=settings,
     )

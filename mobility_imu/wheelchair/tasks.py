@@ -7,173 +7,46 @@ at each frame, so a vote over offsets is a vote over the windows that cover a fr
 
 from __future__ import annotations
 
-import json
-import warnings
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
-from enum import IntEnum
-from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_series
-from mobility_imu.readers.table import read_text
+from mobility_imu.frames import FloatArray, as_clock, as_count, as_number, as_series, one_of
+from mobility_imu.results import Result
+from mobility_imu.runs import changes_of, runs_of
+from mobility_imu.wheelchair.codes import Codes, Task, as_codes
+from mobility_imu.wheelchair.settings import TaskSettings
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = [
+    "Codes",
+    "Edge",
+    "Symbols",
+    "Task",
+    "TaskSteps",
+    "Tasks",
+    "Velocities",
+    "curvature_radius",
+    "find_pattern",
+    "identify_tasks",
+    "reduce_variability",
+    "refine_edges",
+    "symbolic_signals",
+    "task_codes",
+    "task_steps",
+    "window_means",
+]
 
 Edge = Literal["covering", "tool"]
-Codes = NDArray[np.int8]
 
 # Frames that are worked on at once: the few arrays of a block stay in the processor's cache.
 BLOCK = 16384
-
-
-class Task(IntEnum):
-    """The six tasks of Table 2, with the tool's codes."""
-
-    STATIC = 1
-    FORWARD = 2
-    BACKWARD = 3
-    PIVOT = 4
-    TIGHT = 5
-    WIDE = 6
-
-    @property
-    def title(self) -> str:
-        """The name as a reader knows it."""
-        return {
-            Task.STATIC: "static",
-            Task.FORWARD: "forward propulsion",
-            Task.BACKWARD: "backward propulsion",
-            Task.PIVOT: "pivot rotation",
-            Task.TIGHT: "tight rotation",
-            Task.WIDE: "wide rotation",
-        }[self]
-
-
-@dataclass(frozen=True)
-class TaskSettings:
-    """Thresholds of Table 1 and of step 4; the document's values are the defaults.
-
-    Parameters
-    ----------
-    segment_s : s, length of a segment of the aggregate approximation
-    linear_velocity_mps : m/s, below it (in size) the chair does not travel
-    yaw_rate_degps : deg/s, from it on the chair turns (Table 1 prints ">", the tool takes ">=")
-    pivot_radius_m, wide_radius_m : m, up to the first a turn is a pivot, from the second on wide
-    onset_velocity_mps, onset_yaw_rate_degps : m/s and deg/s, where a task begins and ends. The
-        document gives only the first; 10 deg/s is the tool's.
-    look_s : s, how far step 4 looks for them; the tool looks 30 frames, which is this at 100 Hz
-
-    Raises
-    ------
-    InputError
-        For a value that is not a positive number, or radii out of order.
-
-    Examples
-    --------
-    >>> TaskSettings(segment_s=0.5).look_s
-    0.3
-    """
-
-    segment_s: float = 0.25
-    linear_velocity_mps: float = 0.5
-    yaw_rate_degps: float = 40.0
-    pivot_radius_m: float = 0.2
-    wide_radius_m: float = 0.5
-    onset_velocity_mps: float = 0.1
-    onset_yaw_rate_degps: float = 10.0
-    look_s: float = 0.30
-
-    def __post_init__(self) -> None:
-        """Check each value."""
-        for name, value in asdict(self).items():
-            if not isinstance(value, int | float) or not np.isfinite(value) or value < 0:
-                raise InputError(f"{name} = {value!r}: expected a positive number")
-            if value == 0 and name in ("segment_s", "linear_velocity_mps", "yaw_rate_degps"):
-                raise InputError(f"{name} = 0: expected a positive number")
-        if self.pivot_radius_m > self.wide_radius_m:
-            raise InputError(
-                f"pivot_radius_m = {self.pivot_radius_m} is larger than "
-                f"wide_radius_m = {self.wide_radius_m}"
-            )
-
-    def frames(self, sampling_rate_hz: float) -> tuple[int, int]:
-        """Length of a segment and of the look window, in frames.
-
-        A segment that is no whole number of frames is rounded, with a warning (the public tool
-        goes on with the fraction and labels most frames wrongly).
-        """
-        exact = self.segment_s * sampling_rate_hz
-        count = round(exact)
-        if count < 1:
-            raise InputError(
-                f"segment_s = {self.segment_s} is less than one frame at {sampling_rate_hz:g} Hz"
-            )
-        if abs(exact - count) > 1e-6 * exact:
-            warnings.warn(
-                f"segment of {self.segment_s} s is {exact:g} frames at {sampling_rate_hz:g} Hz: "
-                f"rounded to {count}",
-                stacklevel=3,
-            )
-        return count, round(self.look_s * sampling_rate_hz)
-
-
-# The tool's keys; freqAcq stands beside them.
-_TOOL_KEYS = {
-    "inptSegmentsec": "segment_s",
-    "seuilVitLinAbs": "linear_velocity_mps",
-    "seuilVitAngAbs": "yaw_rate_degps",
-    "seuilRayonMin": "pivot_radius_m",
-    "seuilRayonMax": "wide_radius_m",
-    "newSeuilVitLinAbs": "onset_velocity_mps",
-    "newSeuilVitAngAbs": "onset_yaw_rate_degps",
-}
-
-
-class SettingsFile(NamedTuple):
-    """Settings of a JSON file, and the sampling rate if it states one."""
-
-    settings: TaskSettings
-    sampling_rate_hz: float | None
-
-
-def read_settings(path: str | Path) -> SettingsFile:
-    """Read settings from JSON, with the public tool's keys or with ours.
-
-    The tool writes a zero as null: null is read as 0.
-
-    Raises
-    ------
-    InputError
-        If it is not a JSON object of numbers, or has an unknown key.
-    """
-    try:
-        content: Any = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}: not valid JSON ({error})") from None
-    if not isinstance(content, dict):
-        raise InputError(f"{path}: expected a JSON object of settings")
-    values: dict[str, float] = {}
-    rate = None
-    ours = set(TaskSettings.__dataclass_fields__)
-    for key, raw in content.items():
-        try:
-            value = 0.0 if raw is None else float(raw)
-        except (TypeError, ValueError):
-            raise InputError(f"{path}: {key} = {raw!r}, expected a number") from None
-        if key == "freqAcq":
-            rate = value
-        elif key in _TOOL_KEYS or key in ours:
-            values[_TOOL_KEYS.get(str(key), str(key))] = value
-        else:
-            known = ", ".join([*_TOOL_KEYS, "freqAcq"])
-            raise InputError(f"{path}: {key} is not a setting (known: {known})")
-    try:
-        return SettingsFile(TaskSettings(**values), rate)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
 
 
 def curvature_radius(linear_velocity_mps: ArrayLike, yaw_rate_radps: ArrayLike) -> FloatArray:
@@ -203,22 +76,119 @@ def curvature_radius(linear_velocity_mps: ArrayLike, yaw_rate_radps: ArrayLike) 
     return np.where(yaw_rate == 0, np.inf, radius)
 
 
-class Symbols(NamedTuple):
-    """The four symbolic signals of steps 2 and 3: 0, 1, 2 stand for a, b, c."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Symbols(Result):
+    """The four symbolic signals of steps 2 and 3: 0, 1, 2 stand for a, b, c.
+
+    Parameters
+    ----------
+    velocity, speed, yaw_rate, radius : (n,) arrays of 0, 1, 2
+    """
 
     velocity: Codes
     speed: Codes
     yaw_rate: Codes
     radius: Codes
 
+    def __post_init__(self) -> None:
+        """Check that all four are letters of one length."""
+        count = len(np.atleast_1d(self.velocity))
+        for name in ("velocity", "speed", "yaw_rate", "radius"):
+            codes = as_codes(getattr(self, name), f"symbols.{name}", (0, 1, 2), length=count)
+            object.__setattr__(self, name, codes)
+        super().__post_init__()
 
-class TaskSteps(NamedTuple):
-    """What each step gives: for the chapters that show them one by one."""
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TaskSteps(Result):
+    """What each step gives: for the chapters that show them one by one.
+
+    Parameters
+    ----------
+    symbols : Symbols of steps 1 and 2
+    pattern, refined, reduced : (n,) arrays of task codes after steps 3, 4 and 5
+    settings : TaskSettings that were used
+    warnings : sentences on how the settings were met; empty if they were met exactly
+    """
 
     symbols: Symbols
     pattern: Codes
     refined: Codes
     reduced: Codes
+    settings: TaskSettings = field(default_factory=TaskSettings)
+    warnings: tuple[str, ...] = ()
+
+
+class Velocities(Protocol):
+    """What tasks are identified from: a ``ChairVelocity``, or a series from a file."""
+
+    @property
+    def time_s(self) -> FloatArray:
+        """Times, (n,) array, s."""
+        ...
+
+    @property
+    def linear_velocity_mps(self) -> FloatArray:
+        """Velocity, (n,) array, m/s, forward positive."""
+        ...
+
+    @property
+    def yaw_rate_radps(self) -> FloatArray:
+        """Yaw rate, (n,) array, rad/s, left positive."""
+        ...
+
+    @property
+    def sampling_rate_hz(self) -> float:
+        """Samples per second."""
+        ...
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Tasks(Result):
+    """Task of each frame of a drive.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s, even
+    codes : (n,) array of int8, codes of :class:`Task`
+    linear_velocity_mps, yaw_rate_radps : (n,) arrays, m/s and rad/s, as they were given
+    settings : TaskSettings that were used
+    edge : how the first frames were treated
+    warnings : sentences on how the settings were met; empty if they were met exactly
+    """
+
+    time_s: FloatArray
+    codes: Codes
+    linear_velocity_mps: FloatArray
+    yaw_rate_radps: FloatArray
+    settings: TaskSettings = field(default_factory=TaskSettings)
+    edge: Edge = "covering"
+    warnings: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        """Return the number of frames."""
+        return len(self.codes)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Columns of the tasks' CSV, the yaw rate in deg/s.
+
+        Returns
+        -------
+        DataFrame
+            ``time_s``, ``linear_velocity_mps``, ``yaw_rate_degps``, ``task_code`` and ``task``
+        """
+        import pandas as pd
+
+        names = np.array(["", *(task.title for task in Task)])
+        return pd.DataFrame(
+            {
+                "time_s": self.time_s,
+                "linear_velocity_mps": self.linear_velocity_mps,
+                "yaw_rate_degps": np.rad2deg(self.yaw_rate_radps),
+                "task_code": self.codes,
+                "task": names[self.codes],
+            }
+        )
 
 
 def window_means(values: ArrayLike, length: int) -> FloatArray:
@@ -240,15 +210,66 @@ def window_means(values: ArrayLike, length: int) -> FloatArray:
     >>> window_means([1.0, 2.0, 6.0], 2).tolist()
     [1.5, 4.0, 6.0]
     """
-    x = np.asarray(values, float)
+    x, length = np.asarray(values, float), as_count(length, "length")
+    if x.ndim != 1:
+        raise InputError(f"values: expected one time series, got an array of shape {x.shape}")
     total = np.zeros(len(x))
-    # Added in the order of the frames: running sums would drag one huge radius along for ever.
+    # Added in the order of the frames: a cumulative sum would lose precision after one huge radius.
     for k in range(min(length, len(x))):
         total[: len(x) - k] += x[k:]
     return total / np.minimum(length, np.arange(len(x), 0, -1))
 
 
 def identify_tasks(
+    drive: Velocities, settings: TaskSettings | None = None, *, edge: Edge = "covering"
+) -> Tasks:
+    """Task of every frame of a drive (section 2).
+
+    Parameters
+    ----------
+    drive : ChairVelocity of :func:`~mobility_imu.wheelchair.velocity.estimate_velocity`, or a
+        series of :func:`~mobility_imu.readers.velocities.read_velocities`
+    settings : TaskSettings; the document's defaults if None
+    edge : as for :func:`task_codes`
+
+    Returns
+    -------
+    Tasks
+
+    Raises
+    ------
+    InputError
+        If the times are not even, the series differ in length, hold NaN, or are shorter than one
+        segment.
+    """
+    missing = [
+        name
+        for name in ("time_s", "linear_velocity_mps", "yaw_rate_radps", "sampling_rate_hz")
+        if not hasattr(drive, name)
+    ]
+    if missing:
+        raise InputError(
+            f"drive: got {type(drive).__name__} without {', '.join(missing)}; expected what "
+            "estimate_velocity gives (task_codes takes arrays)"
+        )
+    time_s = as_clock(drive.time_s, even=True)
+    steps = task_steps(
+        drive.linear_velocity_mps, drive.yaw_rate_radps, drive.sampling_rate_hz, settings, edge=edge
+    )
+    if len(steps.reduced) != len(time_s):
+        raise InputError(f"time_s: {len(time_s)} times for {len(steps.reduced)} velocities")
+    return Tasks(
+        time_s=time_s,
+        codes=steps.reduced,
+        linear_velocity_mps=as_series(drive.linear_velocity_mps, "linear_velocity_mps"),
+        yaw_rate_radps=as_series(drive.yaw_rate_radps, "yaw_rate_radps"),
+        settings=steps.settings,
+        edge=edge,
+        warnings=steps.warnings,
+    )
+
+
+def task_codes(
     linear_velocity_mps: ArrayLike,
     yaw_rate_radps: ArrayLike,
     sampling_rate_hz: float,
@@ -256,7 +277,7 @@ def identify_tasks(
     *,
     edge: Edge = "covering",
 ) -> Codes:
-    """Task of every frame (section 2).
+    """Task of every frame of two series (section 2); :func:`identify_tasks` takes a drive.
 
     Parameters
     ----------
@@ -279,7 +300,7 @@ def identify_tasks(
     Examples
     --------
     >>> velocity = np.r_[np.zeros(100), np.full(100, 1.2)]
-    >>> codes = identify_tasks(velocity, np.zeros(200), 100)
+    >>> codes = task_codes(velocity, np.zeros(200), 100)
     >>> [Task(code).title for code in codes[[0, -1]]]
     ['static', 'forward propulsion']
     """
@@ -296,24 +317,38 @@ def task_steps(
     *,
     edge: Edge = "covering",
 ) -> TaskSteps:
-    """Like :func:`identify_tasks`, with what each step gives."""
+    """What each step gives; the last one is what :func:`task_codes` returns.
+
+    Parameters
+    ----------
+    linear_velocity_mps, yaw_rate_radps, sampling_rate_hz, settings, edge : as for
+        :func:`task_codes`
+
+    Returns
+    -------
+    TaskSteps
+
+    Raises
+    ------
+    InputError
+        As for :func:`task_codes`.
+    """
     settings = settings or TaskSettings()
-    if edge not in ("covering", "tool"):
-        raise InputError(f"edge = {edge!r}: expected 'covering' or 'tool'")
-    if not np.isfinite(sampling_rate_hz) or sampling_rate_hz <= 0:
-        raise InputError(f"sampling_rate_hz = {sampling_rate_hz}: expected a positive number")
+    one_of("edge", edge, ("covering", "tool"))
+    fs = as_number(sampling_rate_hz, "sampling_rate_hz")
     velocity = as_series(linear_velocity_mps, "linear_velocity_mps")
     yaw_rate = as_series(yaw_rate_radps, "yaw_rate_radps", length=len(velocity))
-    segment, look = settings.frames(sampling_rate_hz)
+    segment, look = settings.frames(fs)
     if len(velocity) < segment:
         raise InputError(
             f"{len(velocity)} frames are fewer than the {segment} of one segment "
-            f"({settings.segment_s} s at {sampling_rate_hz:g} Hz)"
+            f"({settings.segment_s} s at {fs:g} Hz)"
         )
     symbols = symbolic_signals(velocity, yaw_rate, segment, settings, edge)
     pattern = find_pattern(symbols)
     refined = refine_edges(pattern, np.abs(velocity), np.abs(np.rad2deg(yaw_rate)), look, settings)
-    return TaskSteps(symbols, pattern, refined, reduce_variability(refined, segment))
+    reduced = reduce_variability(refined, segment)
+    return TaskSteps(symbols, pattern, refined, reduced, settings, settings.rounding(fs))
 
 
 def symbolic_signals(
@@ -333,7 +368,7 @@ def symbolic_signals(
     Symbols, four (n,) arrays
     """
     n = len(velocity)
-    out = Symbols(*(np.empty(n, np.int8) for _ in range(4)))
+    letters = [np.empty(n, np.int8) for _ in range(4)]
     for start in range(0, n, BLOCK):
         stop = min(start + BLOCK, n)
         # Windows that cover these frames start up to a segment earlier and end up to one later.
@@ -360,16 +395,16 @@ def symbolic_signals(
         voters = np.minimum(np.arange(start, stop) + 1, segment)
         # Offsets that do not reach back to a frame: the tool takes them for b, the radius for c.
         missing = segment - voters if edge == "tool" else 0
-        for symbol, (vote_a, vote_c) in zip(out, ballots, strict=True):
+        for symbol, (vote_a, vote_c) in zip(letters, ballots, strict=True):
             a, c = (_count(vote, start - low, stop - start, segment) for vote in (vote_a, vote_c))
             b = voters - a - c
-            if symbol is out.radius:
+            if symbol is letters[-1]:
                 c = c + missing
             else:
                 b = b + missing
             # The most votes win; of equals the first letter.
             symbol[start:stop] = np.where((a >= b) & (a >= c), 0, np.where(b >= c, 1, 2))
-    return out
+    return Symbols(*letters)
 
 
 def _block_means(values: FloatArray, windows: int, segment: int) -> FloatArray:
@@ -443,7 +478,7 @@ def refine_edges(
     -------
     (n,) array of task codes
     """
-    codes = codes.copy()
+    codes = as_codes(codes).copy()
     slow = speed_mps < settings.onset_velocity_mps
     for task in (Task.FORWARD, Task.BACKWARD):
         for first, stop, _ in _extensions(codes == task, slow, look):
@@ -457,10 +492,11 @@ def refine_edges(
 def _extensions(
     active: NDArray[np.bool_], calm: NDArray[np.bool_], look: int
 ) -> Iterator[tuple[int, int, int]]:
-    """Stretches [first, stop) by which runs grow, with a frame of the run, in the frames' order."""
+    """Intervals [first, stop) by which runs grow, with a frame of the run, in the frames' order."""
     n = len(active)
-    edge = np.diff(np.r_[False, active].astype(np.int8))
-    onsets, ends = np.nonzero(edge == 1)[0], np.nonzero(edge == -1)[0]
+    runs = runs_of(active)
+    onsets = np.array([run.start for run in runs], int)
+    ends = np.array([run.stop for run in runs if run.stop < n], int)
     index = np.arange(n)
     last_calm = np.maximum.accumulate(np.where(calm, index, -1))
     next_calm = np.minimum.accumulate(np.where(calm, index, n)[::-1])[::-1]
@@ -479,7 +515,7 @@ def _extensions(
 
 
 def reduce_variability(codes: Codes, segment: int) -> Codes:
-    """Step 5: give short tasks between two stretches of one and the same task to that task.
+    """Step 5: short tasks between two runs of one and the same task become that task.
 
     The document's example gives the length, a single segment; its general sentence alone has
     none, and a whole slalom would become one task. The tool takes what is shorter than a segment,
@@ -494,9 +530,9 @@ def reduce_variability(codes: Codes, segment: int) -> Codes:
     -------
     (n,) array of task codes
     """
-    codes = codes.copy()
+    codes = as_codes(codes)
     while True:
-        starts = np.r_[0, np.nonzero(np.diff(codes))[0] + 1]
+        starts = changes_of(codes)
         if len(starts) < 3:
             return codes
         lengths = np.diff(np.r_[starts, len(codes)])

@@ -1,35 +1,57 @@
 """Wheel spin, chair velocity and yaw rate (sections 1.2 and 1.3).
 
-For a wheel that leans by the camber, the gyroscope along the axle reads the spin plus the share
+For a wheel that leans by the camber, the gyroscope along the axle reads the spin plus the part
 s * yaw_rate * sin(camber) of the chair's yaw rate (s = +1 left, -1 right). Two exact pairs follow:
 the uncorrected rate with the distance between wheel centres, and the spin with the track.
 """
 
 from __future__ import annotations
 
-import warnings
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_series, as_vectors
+from mobility_imu.executors import run_all
+from mobility_imu.frames import FloatArray, as_series, as_vectors, one_of
 from mobility_imu.recording import Recording
-from mobility_imu.wheelchair.calibration import WheelchairCalibration
-from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry, side_sign
+from mobility_imu.results import Result
+from mobility_imu.wheelchair.calibration import Form
+from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry, side_sign
+from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.slip import (
+    SlipMethod,
+    SlipSettings,
+    correct_slip,
+    detect_slip,
+    wheel_speeds,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Camber = Literal["sign-safe", "printed"]
+__all__ = [
+    "ChairVelocity",
+    "VelocitySettings",
+    "estimate_velocity",
+    "linear_velocity",
+    "printed_yaw_gain",
+    "single_wheel_velocity",
+    "velocity_standard_deviation",
+    "wheel_spin_rate",
+    "wheel_spin_rate_printed",
+    "wheel_yaw_rate",
+    "wheel_yaw_standard_deviation",
+]
 
 
 def wheel_spin_rate(
     gyr_axle_radps: ArrayLike, yaw_rate_radps: ArrayLike, camber_rad: float, *, side: Side
 ) -> FloatArray:
-    """Spin of one wheel about its own axle (eq. 1.16, sign-safe form).
+    """Spin of one wheel about its own axle (eq. 1.16, corrected form).
 
     The printed square root loses the direction of the turn; the frame's yaw rate keeps it.
 
@@ -53,7 +75,8 @@ def wheel_spin_rate(
     [-1.325]
     """
     lean = side_sign(side) * np.sin(camber_rad)
-    return np.asarray(gyr_axle_radps, float) - np.asarray(yaw_rate_radps, float) * lean
+    axle, yaw_rate = _alike(gyr_axle_radps=gyr_axle_radps, yaw_rate_radps=yaw_rate_radps)
+    return np.asarray(axle - yaw_rate * lean)
 
 
 def wheel_spin_rate_printed(
@@ -76,9 +99,9 @@ def wheel_spin_rate_printed(
     -------
     (n,) array, rad/s
     """
-    gyr = as_vectors(gyr_wheel_radps, "gyr_wheel_radps")
+    gyr = as_vectors(gyr_wheel_radps, "gyr_wheel_radps", ndim=2)
     across = np.hypot(gyr[:, 0], gyr[:, 1])
-    return gyr[:, 2] + side_sign(side) * across * np.tan(camber_rad)
+    return np.asarray(gyr[:, 2] + side_sign(side) * across * np.tan(camber_rad))
 
 
 def linear_velocity(
@@ -134,8 +157,18 @@ def wheel_yaw_rate(
 def _rolling_speeds(
     rate_left: ArrayLike, rate_right: ArrayLike, geometry: WheelchairGeometry
 ) -> tuple[FloatArray, FloatArray]:
-    radius = geometry.wheel_radius_m
-    return radius.left * np.asarray(rate_left, float), radius.right * np.asarray(rate_right, float)
+    left, right = _alike(rate_left_radps=rate_left, rate_right_radps=rate_right)
+    return geometry.wheel_radius_m.left * left, geometry.wheel_radius_m.right * right
+
+
+def _alike(**named: ArrayLike) -> list[FloatArray]:
+    """Series as float arrays of one shape; single numbers go with any."""
+    arrays = [np.asarray(values, float) for values in named.values()]
+    shapes = {array.shape for array in arrays if array.ndim}
+    if len(shapes) > 1:
+        sizes = ", ".join(f"{name} {a.shape}" for name, a in zip(named, arrays, strict=True))
+        raise InputError(f"{sizes}: expected series of one length")
+    return arrays
 
 
 def single_wheel_velocity(
@@ -161,10 +194,9 @@ def single_wheel_velocity(
     -------
     (n,) array, m/s, midway between the wheels' contacts
     """
-    radius = getattr(geometry.wheel_radius_m, side)
+    rate, yaw_rate = _alike(rate_axle_radps=rate_axle_radps, yaw_rate_radps=yaw_rate_radps)
     centre = geometry.wheel_centre(side)[1]
-    rolling = radius * np.asarray(rate_axle_radps, float)
-    return rolling + centre * np.asarray(yaw_rate_radps, float)
+    return np.asarray(geometry.wheel_radius_m.of(side) * rate + centre * yaw_rate)
 
 
 def velocity_standard_deviation(
@@ -192,9 +224,9 @@ def velocity_standard_deviation(
     (n,) array, m/s
     """
     radius = geometry.wheel_radius_m
-    left, right = np.asarray(rate_left_radps, float), np.asarray(rate_right_radps, float)
+    left, right = _alike(rate_left_radps=rate_left_radps, rate_right_radps=rate_right_radps)
     noise = gyr_sd_radps**2 * (radius.left**2 + radius.right**2)
-    return np.sqrt(noise + radius_sd_m**2 * (left**2 + right**2)) / 2
+    return np.asarray(np.sqrt(noise + radius_sd_m**2 * (left**2 + right**2)) / 2)
 
 
 def wheel_yaw_standard_deviation(
@@ -221,12 +253,12 @@ def wheel_yaw_standard_deviation(
     -------
     (n,) array, rad/s
     """
-    yaw, speed = np.asarray(yaw_rate_radps, float), np.asarray(linear_velocity_mps, float)
+    yaw, speed = _alike(yaw_rate_radps=yaw_rate_radps, linear_velocity_mps=linear_velocity_mps)
     radius, distance = geometry.wheel_radius_m, geometry.wheel_centre_distance_m
     left, right = speed - yaw * distance / 2, speed + yaw * distance / 2
     noise = gyr_sd_radps**2 * (radius.left**2 + radius.right**2)
     sizes = radius_sd_m**2 * ((left / radius.left) ** 2 + (right / radius.right) ** 2)
-    return np.sqrt(noise + sizes + (yaw * distance_sd_m) ** 2) / distance
+    return np.asarray(np.sqrt(noise + sizes + (yaw * distance_sd_m) ** 2) / distance)
 
 
 def printed_yaw_gain(geometry: WheelchairGeometry) -> tuple[float, float]:
@@ -236,6 +268,10 @@ def printed_yaw_gain(geometry: WheelchairGeometry) -> tuple[float, float]:
     1.18 with the tool's signs and the wheel-centre distance d_c give, for a yaw rate w in a left
     turn, w - (r_L + r_R) sin(camber) / d_c w, and the sum of the two in a right turn. With both
     signs changed the two factors change places.
+
+    Parameters
+    ----------
+    geometry : WheelchairGeometry
 
     Returns
     -------
@@ -247,7 +283,51 @@ def printed_yaw_gain(geometry: WheelchairGeometry) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class ChairVelocity:
+class VelocitySettings:
+    """How velocities are found from a recording.
+
+    Parameters
+    ----------
+    form : "corrected" takes the yaw rate's part out of each wheel with its sign; "printed" uses
+        the root of (1.16) with the fixed signs that the public tool gives it
+    slip_correction : whether the speed is corrected where the wheels disagree
+    slip_method : "wheels" takes the speed from the wheel that still rolls, "tool" integrates the
+        frame's acceleration (:func:`~mobility_imu.wheelchair.slip.correct_slip`). The printed form
+        tells no wheel from the other: its correction needs "tool"
+    slip : SlipSettings, when a disagreement counts as slip
+
+    Raises
+    ------
+    InputError
+        If an option has none of its values, or the printed form is to be corrected by "wheels".
+
+    Examples
+    --------
+    >>> VelocitySettings(form="printed", slip_correction=True, slip_method="tool").form
+    'printed'
+    """
+
+    form: Form = "corrected"
+    slip_correction: bool = False
+    slip_method: SlipMethod = "wheels"
+    slip: SlipSettings = field(default_factory=SlipSettings)
+
+    def __post_init__(self) -> None:
+        """Check the options."""
+        one_of("form", self.form, ("corrected", "printed"))
+        one_of("slip_correction", self.slip_correction, (True, False))
+        one_of("slip_method", self.slip_method, ("wheels", "tool"))
+        if not isinstance(self.slip, SlipSettings):
+            raise InputError(f"slip = {self.slip!r:.60}: expected SlipSettings")
+        if self.form == "printed" and self.slip_correction and self.slip_method == "wheels":
+            raise InputError(
+                "slip_method = 'wheels': eq. 1.16 as printed tells no wheel from the other; "
+                "correct its speed with slip_method='tool'"
+            )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ChairVelocity(Result):
     """Velocities of the chair on the recording's clock.
 
     Parameters
@@ -255,18 +335,38 @@ class ChairVelocity:
     time_s : (n,) array, s
     linear_velocity_mps : (n,) array, m/s, forward positive
     yaw_rate_radps : (n,) array, rad/s, from the frame's gyroscope, left positive
-    wheel_yaw_rate_radps : (n,) array, rad/s, the same from the wheels: they differ when one slips
+    wheel_yaw_rate_radps : (n,) array, rad/s, the same from the wheels: they differ when one slips;
+        NaN where only one wheel has a sensor
     slip : (n,) bool array, True where the two yaw rates differ too much and for too long
+    settings : VelocitySettings that were used
+    warnings : sentences on what limits the result; empty if nothing does
     """
 
     time_s: FloatArray
     linear_velocity_mps: FloatArray
     yaw_rate_radps: FloatArray
     wheel_yaw_rate_radps: FloatArray
-    slip: np.ndarray
+    slip: NDArray[np.bool_]
+    settings: VelocitySettings = VelocitySettings()
+    warnings: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        return len(self.time_s)
+
+    @property
+    def sampling_rate_hz(self) -> float:
+        """Samples per second, from the whole length."""
+        return round(float((len(self) - 1) / (self.time_s[-1] - self.time_s[0])), 6)
 
     def to_frame(self) -> pd.DataFrame:
-        """Give the columns of the velocity CSV, yaw rate in deg/s."""
+        """Columns of the velocity CSV, the yaw rate in deg/s.
+
+        Returns
+        -------
+        DataFrame
+            ``time_s``, ``linear_velocity_mps``, ``yaw_rate_degps`` and ``slip`` (0 or 1)
+        """
         import pandas as pd
 
         return pd.DataFrame(
@@ -279,117 +379,167 @@ class ChairVelocity:
         )
 
 
+@overload
 def estimate_velocity(
-    trial: Recording,
-    calibration: WheelchairCalibration,
+    recording: Recording,
     geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    settings: VelocitySettings | None = None,
     *,
-    camber: Camber = "sign-safe",
-    slip_correction: bool = False,
-) -> ChairVelocity:
-    """Chair velocity and yaw rate of one trial (eqs 1.16-1.18).
+    executor: Any = None,
+) -> ChairVelocity: ...
+
+
+@overload
+def estimate_velocity(
+    recording: Sequence[Recording],
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    settings: VelocitySettings | None = None,
+    *,
+    executor: Any = None,
+) -> list[ChairVelocity]: ...
+
+
+def estimate_velocity(
+    recording: Recording | Sequence[Recording],
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    settings: VelocitySettings | None = None,
+    *,
+    executor: Any = None,
+) -> ChairVelocity | list[ChairVelocity]:
+    """Chair velocity and yaw rate of one recording or several (eqs 1.16-1.18).
 
     Parameters
     ----------
-    trial : Recording with sensors frame, left_wheel, right_wheel. One wheel may be missing: the
-        other and the frame then give the speed, with a warning, and slip cannot be seen
-    calibration : from :func:`~mobility_imu.wheelchair.calibration.calibrate`
+    recording : Recording with sensors frame, left_wheel, right_wheel, or a list of them. One wheel
+        may be missing: the other and the frame then give the speed, with a warning, and slip
+        cannot be seen
     geometry : WheelchairGeometry
-    camber : "sign-safe" takes the yaw rate's part out of each wheel with its sign; "printed"
-        uses the root of (1.16) with the fixed signs that the public tool gives it
-    slip_correction : where the wheels disagree, take the speed from the wheel that still rolls
-        (:func:`~mobility_imu.wheelchair.slip.correct_slip`); with the printed camber term, which
-        tells no wheel from the other, integrate the frame's acceleration as the tool does
+    mount : WheelchairMount, from :func:`~mobility_imu.wheelchair.calibration.calibrate_mount`
+    settings : VelocitySettings; the corrected form without slip correction if None
+    executor : anything with ``submit``, for a list
+        (:func:`~mobility_imu.executors.run_all`); None computes here
 
     Returns
     -------
     ChairVelocity
+        for a list of recordings a list of them, in its order
 
     Raises
     ------
     InputError
-        If a sensor or a gyroscope is missing, the wheels turn against the frame (left and right
-        swapped), or ``camber`` is neither of the two.
+        If a sensor or a gyroscope is missing, or the wheels turn against the frame (left and right
+        swapped).
     """
-    from mobility_imu.wheelchair.slip import correct_slip, detect_slip, wheel_speeds
+    settings = VelocitySettings() if settings is None else settings
+    for name, value, kind in (
+        ("geometry", geometry, WheelchairGeometry),
+        ("mount", mount, WheelchairMount),
+        ("settings", settings, VelocitySettings),
+    ):
+        if not isinstance(value, kind):
+            raise InputError(f"{name}: got {type(value).__name__}, expected {kind.__name__}")
+    if isinstance(recording, Recording):
+        return _one_recording(recording, geometry, mount, settings)
+    return run_all(_one_recording, [(r, geometry, mount, settings) for r in recording], executor)
 
-    if camber not in ("sign-safe", "printed"):
-        raise InputError(f"camber = {camber!r}: expected 'sign-safe' or 'printed'")
-    frame = trial.sensor("frame", gyroscope=True)
-    yaw_rate = np.asarray(frame.gyr_radps) @ calibration.rotation_frame_imu_to_chair[2]
 
-    def spin(side: Side) -> FloatArray:
-        gyr_imu = np.asarray(trial.sensor(f"{side}_wheel", gyroscope=True).gyr_radps)
-        gyr = gyr_imu @ calibration.rotation_imu_to_wheel(side).T
-        if camber == "printed":
-            return wheel_spin_rate_printed(gyr, geometry.camber_rad, side=side)
-        return wheel_spin_rate(gyr[:, 2], yaw_rate, geometry.camber_rad, side=side)
-
-    sides: tuple[Side, Side] = ("left", "right")
-    present = [side for side in sides if f"{side}_wheel" in trial.sensors]
-    if len(present) == 1:
-        return _one_wheel(trial, calibration, geometry, yaw_rate, present[0], camber)
-    left, right = spin("left"), spin("right")
+def _one_recording(
+    recording: Recording,
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    settings: VelocitySettings,
+) -> ChairVelocity:
+    if not isinstance(recording, Recording):
+        raise InputError(f"recording: got {type(recording).__name__}, expected a Recording")
+    yaw_rate = mount.frame(recording.gyroscope("frame"))[:, 2]
+    present = [side for side in SIDES if f"{side}_wheel" in recording.sensors]
+    try:
+        rates = {
+            side: mount.wheel(side, recording.gyroscope(f"{side}_wheel"))
+            for side in present or SIDES
+        }
+    except InputError as error:
+        where = "" if recording.source in str(error) else f"{recording.source}: "
+        raise InputError(f"{where}{error}") from None
+    if len(rates) == 1:
+        return _from_one_wheel(recording, geometry, yaw_rate, rates, settings)
+    if settings.form == "corrected":
+        left, right = (
+            wheel_spin_rate(rates[side][:, 2], yaw_rate, geometry.camber_rad, side=side)
+            for side in SIDES
+        )
+    else:
+        left, right = (
+            wheel_spin_rate_printed(rates[side], geometry.camber_rad, side=side) for side in SIDES
+        )
     # The printed document pairs its spin with the wheel-centre distance.
-    distance = geometry.track_m if camber == "sign-safe" else geometry.wheel_centre_distance_m
+    corrected = settings.form == "corrected"
+    distance = geometry.track_m if corrected else geometry.wheel_centre_distance_m
     velocity = linear_velocity(left, right, geometry)
     wheel_yaw = wheel_yaw_rate(left, right, geometry, distance_m=distance)
-    _refuse_swapped_wheels(trial, yaw_rate, wheel_yaw)
-    windows = detect_slip(yaw_rate, wheel_yaw, trial.sampling_rate_hz)
-    if slip_correction:
-        forward = frame.acc_mps2 @ calibration.rotation_frame_imu_to_chair[0]
+    _refuse_swapped_wheels(recording, yaw_rate, wheel_yaw)
+    fs = recording.sampling_rate_hz
+    windows = detect_slip(yaw_rate, wheel_yaw, fs, settings.slip)
+    if settings.slip_correction:
         velocity = correct_slip(
             velocity,
-            forward,
+            mount.frame(recording.sensor("frame").acc_mps2)[:, 0],
             windows,
-            trial.sampling_rate_hz,
+            fs,
+            settings.slip,
             wheels=wheel_speeds(velocity, wheel_yaw, yaw_rate, geometry),
-            method="wheels" if camber == "sign-safe" else "tool",
+            method=settings.slip_method,
         )
     return ChairVelocity(
-        time_s=trial.time_s,
-        linear_velocity_mps=as_series(velocity, "linear velocity"),
+        time_s=recording.time_s,
+        linear_velocity_mps=as_series(velocity, f"{recording.source}: linear velocity"),
         yaw_rate_radps=yaw_rate,
         wheel_yaw_rate_radps=wheel_yaw,
-        slip=windows.flags(len(trial)),
+        slip=windows.flags(len(recording)),
+        settings=settings,
     )
 
 
-def _one_wheel(
-    trial: Recording,
-    calibration: WheelchairCalibration,
+def _from_one_wheel(
+    recording: Recording,
     geometry: WheelchairGeometry,
     yaw_rate: FloatArray,
-    side: Side,
-    camber: Camber,
+    rates: dict[Side, FloatArray],
+    settings: VelocitySettings,
 ) -> ChairVelocity:
-    if camber == "printed":
-        raise InputError(f"{trial.source}: eq. 1.16 as printed needs both wheels, found the {side}")
-    warnings.warn(
-        f"{trial.source}: only the {side} wheel has a sensor; speed from it and the frame, slip "
-        "cannot be seen",
-        stacklevel=3,
-    )
-    gyr = np.asarray(trial.sensor(f"{side}_wheel", gyroscope=True).gyr_radps)
-    axle = gyr @ calibration.rotation_imu_to_wheel(side)[2]
-    velocity = single_wheel_velocity(axle, yaw_rate, geometry, side=side)
+    ((side, rate),) = rates.items()
+    if settings.form == "printed":
+        raise InputError(
+            f"{recording.source}: eq. 1.16 as printed needs both wheels, found the {side}"
+        )
+    velocity = single_wheel_velocity(rate[:, 2], yaw_rate, geometry, side=side)
     return ChairVelocity(
-        time_s=trial.time_s,
-        linear_velocity_mps=as_series(velocity, f"{trial.source}: linear velocity"),
+        time_s=recording.time_s,
+        linear_velocity_mps=as_series(velocity, f"{recording.source}: linear velocity"),
         yaw_rate_radps=yaw_rate,
-        wheel_yaw_rate_radps=np.full(len(trial), np.nan),
-        slip=np.zeros(len(trial), bool),
+        wheel_yaw_rate_radps=np.full(len(recording), np.nan),
+        slip=np.zeros(len(recording), bool),
+        settings=settings,
+        warnings=(
+            f"{recording.source}: only the {side} wheel has a sensor; speed from it and the frame, "
+            "slip cannot be seen",
+        ),
     )
 
 
-def _refuse_swapped_wheels(trial: Recording, yaw_rate: FloatArray, wheel_yaw: FloatArray) -> None:
+def _refuse_swapped_wheels(
+    recording: Recording, yaw_rate: FloatArray, wheel_yaw: FloatArray
+) -> None:
     """In a second of turning, wheels that were swapped turn the other way."""
     turning = np.abs(yaw_rate) > 0.3
-    if turning.sum() < trial.sampling_rate_hz:
+    if turning.sum() < recording.sampling_rate_hz:
         return
     gain = float(yaw_rate[turning] @ wheel_yaw[turning] / (yaw_rate[turning] @ yaw_rate[turning]))
     if gain < -0.3:
         raise InputError(
-            f"{trial.source}: the wheels' yaw rate is {gain:.2f} times the frame's, expected about "
-            "1: left and right wheel are swapped, or the frame's sensor is upside down"
+            f"{recording.source}: the wheels' yaw rate is {gain:.2f} times the frame's, expected "
+            "about 1: left and right wheel are swapped, or the frame's sensor is upside down"
         )

@@ -109,11 +109,10 @@ def test_choices_are_those_of_the_library():
     from mobility_imu.scooter import estimate_angles
     from mobility_imu.simulation.scooter import COURSES
     from mobility_imu.walker import calibration
-    from mobility_imu.wheelchair import tasks
-    from mobility_imu.wheelchair import velocity as chair
+    from mobility_imu.wheelchair import smoothing, tasks
 
     assert set(get_args(scooter.Form)) == set(get_args(get_type_hints(estimate_angles)["form"]))
-    assert set(get_args(wheelchair.Camber)) == set(get_args(chair.Camber))
+    assert set(get_args(wheelchair.Smoothing)) == set(get_args(smoothing.Smoothing))
     assert set(get_args(wheelchair.Edge)) == set(get_args(tasks.Edge))
     assert set(get_args(walker.Method)) == set(get_args(calibration.Method))
     assert set(get_args(walker.Form)) == set(get_args(calibration.Form))

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from mobility_imu.frames import FloatArray
+from mobility_imu.wheelchair.settings import TaskSettings
 from mobility_imu.wheelchair.tasks import (
     Codes,
     Edge,
     Symbols,
-    TaskSettings,
     curvature_radius,
     find_pattern,
     reduce_variability,
@@ -45,7 +46,7 @@ def label_steps(
     symbols : what steps 1 and 2 give, if they are to be others
     look : frames that step 4 looks, the settings' if None
     shortest : frames that step 5 asks for, a segment if None
-    settings, edge : as :func:`~mobility_imu.wheelchair.tasks.identify_tasks` has them
+    settings, edge : as :func:`~mobility_imu.wheelchair.tasks.task_codes` has them
 
     Returns
     -------
@@ -130,7 +131,7 @@ def radius_of_means(velocity_mps: FloatArray, yaw_rate_radps: FloatArray, segmen
     )
     radius = curvature_radius(speed, turning)
     letters = letters_of(radius, radius, radius, radius).radius
-    return usual._replace(radius=vote(letters, segment))
+    return replace(usual, radius=vote(letters, segment))
 
 
 def vote(letters: Codes, segment: int) -> Codes:
@@ -148,7 +149,8 @@ def vote(letters: Codes, segment: int) -> Codes:
     stop = np.arange(len(letters)) + 1
     start = np.maximum(stop - segment, 0)
     sums = [np.r_[0, np.cumsum(letters == letter)] for letter in range(3)]
-    return np.argmax([total[stop] - total[start] for total in sums], axis=0).astype(np.int8)
+    most = np.argmax([total[stop] - total[start] for total in sums], axis=0)
+    return np.asarray(most, np.int8)
 
 
 def open_choices(sampling_rate_hz: float) -> dict[str, Labelling]:

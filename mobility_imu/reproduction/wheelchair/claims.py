@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from mobility_imu.data import recordings_folder, reference_folder
-from mobility_imu.readers import read_recording
+from mobility_imu.data import reference_folder
 from mobility_imu.readers.velocities import read_velocities
 from mobility_imu.reproduction.claims import Cell, Claim, Quotation
 from mobility_imu.reproduction.wheelchair.claims_equations import equation_claims
@@ -27,15 +26,23 @@ from mobility_imu.reproduction.wheelchair.sample import (
     open_combinations,
     printed_patterns,
 )
-from mobility_imu.wheelchair.calibration import calibrate
-from mobility_imu.wheelchair.geometry import WheelchairGeometry
+from mobility_imu.simulation.wheelchair import (
+    COURT,
+    STATIC_TRIAL,
+    STRAIGHT_TRIAL,
+    random_mounting,
+    simulate_drive,
+)
+from mobility_imu.wheelchair.calibration import calibrate_mount
+from mobility_imu.wheelchair.geometry import SAMPLE_CHAIR
+from mobility_imu.wheelchair.settings import TaskSettings
 from mobility_imu.wheelchair.tasks import (
     Symbols,
     Task,
-    TaskSettings,
     find_pattern,
     identify_tasks,
     reduce_variability,
+    task_codes,
     task_steps,
 )
 from mobility_imu.wheelchair.velocity import estimate_velocity
@@ -156,7 +163,9 @@ def _limit(signal: str, meeting: tuple[int, int]) -> float:
 def _letter(signal: str, value: float) -> int:
     velocity, yaw_radps = (0.0, math.radians(value)) if signal == "abs_yaw_rate" else (value, 1.0)
     steps = task_steps(np.full(25, velocity), np.full(25, yaw_radps), FS_HZ)
-    return int(steps.symbols[SIGNALS.index(signal)][0])
+    letters = steps.symbols
+    in_order = (letters.velocity, letters.speed, letters.yaw_rate, letters.radius)
+    return int(in_order[SIGNALS.index(signal)][0])
 
 
 def _table_2() -> list[Claim]:
@@ -292,7 +301,7 @@ def _statements() -> list[Claim]:
             source=Quotation("The resulting unique signal is as long as the initial signals"),
             reference=1.0,
             reference_from=HOLDS,
-            compute=lambda: len(identify_tasks(np.ones(137), np.zeros(137), FS_HZ)) / 137,
+            compute=lambda: len(task_codes(np.ones(137), np.zeros(137), FS_HZ)) / 137,
             n=137,
             tolerance=0.0,
             tolerance_reason="a count of frames",
@@ -320,14 +329,14 @@ def _statements() -> list[Claim]:
 def _velocity_at_onset() -> float:
     """Velocity of the first forward frame of a start that gains 1 m/s in one second."""
     velocity = np.r_[np.zeros(100), np.linspace(0, 1, 101), np.ones(200)]
-    codes = identify_tasks(velocity, np.zeros(len(velocity)), FS_HZ, TaskSettings(look_s=1.0))
+    codes = task_codes(velocity, np.zeros(len(velocity)), FS_HZ, TaskSettings(look_s=1.0))
     return float(velocity[np.argmax(codes == Task.FORWARD)])
 
 
 def _mirrored_share() -> float:
     series = read_velocities(reference_folder() / "velocities_six_tasks.csv.gz")
     one, other = (
-        identify_tasks(series.linear_velocity_mps, sign * series.yaw_rate_radps, FS_HZ)
+        task_codes(series.linear_velocity_mps, sign * series.yaw_rate_radps, FS_HZ)
         for sign in (1, -1)
     )
     return float(np.mean(one == other))
@@ -368,14 +377,14 @@ def _court() -> Claim:
 
 
 def _tasks_on_court() -> float:
-    folder = recordings_folder() / "wheelchair_court"
+    # Simulated here: an installed package carries no recordings.
+    mounting = random_mounting(1)
     static, straight, court = (
-        read_recording(folder / f"{name}.csv.gz") for name in ("static", "straight", "court")
+        simulate_drive(legs, SAMPLE_CHAIR, mounting, seed=1000 + k).recording
+        for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
     )
-    geometry = WheelchairGeometry.from_toml(folder / "geometry.toml")
-    found = estimate_velocity(court, calibrate(static, straight), geometry)
-    codes = identify_tasks(found.linear_velocity_mps, found.yaw_rate_radps, court.sampling_rate_hz)
-    return float(len(set(codes.tolist()) & set(Task)))
+    drive = estimate_velocity(court, SAMPLE_CHAIR, calibrate_mount(static, straight).mount)
+    return float(len(set(identify_tasks(drive).codes.tolist()) & set(Task)))
 
 
 def _chronogram() -> Claim:

@@ -14,7 +14,6 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.reproduction.claims import Claim, Quotation
 from mobility_imu.reproduction.wheelchair.facing import Facing, facing_mounting
 from mobility_imu.reproduction.wheelchair.printed import (
-    SIDES,
     gyroscope_outward,
     printed_angles,
     printed_matrix,
@@ -25,7 +24,7 @@ from mobility_imu.reproduction.wheelchair.printed import (
     wheel_rates_printed,
     yaw_rate_printed,
 )
-from mobility_imu.reproduction.wheelchair.sample import SAMPLE_CHAIR, yaw_gain
+from mobility_imu.reproduction.wheelchair.sample import yaw_gain
 from mobility_imu.simulation.wheelchair import (
     IDEAL,
     STATIC_TRIAL,
@@ -36,14 +35,14 @@ from mobility_imu.simulation.wheelchair import (
 )
 from mobility_imu.wheelchair.calibration import (
     alignment_matrix,
-    calibrate,
+    calibrate_mount,
     frame_alignment_angles,
     realign,
     wheel_alignment_angles,
 )
-from mobility_imu.wheelchair.geometry import DOCUMENT_TO_CHAIR, Side, side_sign
+from mobility_imu.wheelchair.geometry import DOCUMENT_TO_CHAIR, SAMPLE_CHAIR, SIDES, Side, side_sign
 from mobility_imu.wheelchair.tasks import curvature_radius
-from mobility_imu.wheelchair.velocity import estimate_velocity, wheel_spin_rate
+from mobility_imu.wheelchair.velocity import VelocitySettings, estimate_velocity, wheel_spin_rate
 
 COUNT = 1000
 ROUNDING = "rounding of a few operations on numbers of size 1"
@@ -83,7 +82,8 @@ def _claim(where: str, what: str, compute: Callable[[], float], **fields: Any) -
 
 
 def _directions() -> FloatArray:
-    return Rotation.random(COUNT, rng=np.random.default_rng(11)).apply([0.0, 0.0, 1.0])
+    turns = Rotation.random(COUNT, rng=np.random.default_rng(11))
+    return np.asarray(turns.apply([0.0, 0.0, 1.0]))
 
 
 def _angles() -> FloatArray:
@@ -400,7 +400,7 @@ def _true_spin(velocity: float, yaw: float, side: Side) -> float:
     """Spin about the outward axle of a wheel that rolls, rad/s."""
     s = side_sign(side)
     rim = velocity - s * yaw * SAMPLE_CHAIR.track_m / 2
-    return s * rim / float(getattr(SAMPLE_CHAIR.wheel_radius_m, side))
+    return s * rim / SAMPLE_CHAIR.wheel_radius_m.of(side)
 
 
 def _error_with_fixed_signs() -> float:
@@ -438,9 +438,9 @@ def _simulated_gain(side: Side) -> float:
     )
     found = estimate_velocity(
         drive.recording,
-        calibrate(still.recording, line.recording),
         SAMPLE_CHAIR,
-        camber="printed",
+        calibrate_mount(still.recording, line.recording).mount,
+        VelocitySettings(form="printed"),
     )
     return yaw_gain(
         drive.yaw_rate_radps, found.wheel_yaw_rate_radps, drive.linear_velocity_mps, side=side
@@ -523,7 +523,7 @@ def _printed_yaw(distance_m: float) -> float:
 
 
 def _exact_spin(velocity: float, yaw: float, side: Side) -> float:
-    """Spin about the outward axle by the sign-safe form, from what the gyroscope reads, rad/s."""
+    """Spin about the outward axle by the corrected form, from what the gyroscope reads, rad/s."""
     along, _ = gyroscope_outward(velocity, yaw, SAMPLE_CHAIR, side)
     s = side_sign(side)
     return s * float(wheel_spin_rate(s * along, yaw, SAMPLE_CHAIR.camber_rad, side=side))

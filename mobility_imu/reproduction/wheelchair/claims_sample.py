@@ -23,13 +23,13 @@ from mobility_imu.reproduction.wheelchair.sample import (
     yaw_gain,
 )
 from mobility_imu.reproduction.wheelchair.sample_study import (
+    Term,
     cached_sample,
     largest,
     printed_velocity_gain,
     resting_direction,
 )
 from mobility_imu.wheelchair.slip import detect_slip
-from mobility_imu.wheelchair.velocity import Camber
 
 FS_HZ = 100.0
 TOOL = "public tool's answer, recorded by us"
@@ -159,10 +159,10 @@ def _on_tool(compute: Callable[[Path], float]) -> float:
     return compute(folder)
 
 
-def _velocity_difference(camber: Camber, folder: Path) -> float:
+def _velocity_difference(term: Term, folder: Path) -> float:
     tool = load_tool_velocities(folder)
     assert tool is not None
-    ours = cached_sample(folder)[1][camber].linear_velocity_mps
+    ours = cached_sample(folder)[1][term].linear_velocity_mps
     return largest(ours - tool.linear_velocity_mps)
 
 
@@ -247,8 +247,8 @@ def _on_sample(compute: Callable[[Path], float]) -> float:
     return math.nan if folder is None else compute(folder)
 
 
-def _sample_gain(camber: Camber, folder: Path) -> float:
-    found = cached_sample(folder)[1][camber]
+def _sample_gain(term: Term, folder: Path) -> float:
+    found = cached_sample(folder)[1][term]
     return yaw_gain(
         found.yaw_rate_radps, found.wheel_yaw_rate_radps, found.linear_velocity_mps, side="left"
     )[0]

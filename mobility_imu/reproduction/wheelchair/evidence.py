@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -17,31 +15,31 @@ from mobility_imu.reproduction.wheelchair.printed import (
     yaw_rate_printed,
 )
 from mobility_imu.reproduction.wheelchair.sample import (
-    SAMPLE_CHAIR,
     SIGNALS,
     letter_combinations,
     open_combinations,
 )
 from mobility_imu.wheelchair.calibration import (
+    Form,
     alignment_matrix,
     frame_alignment_angles,
     wheel_alignment_angles,
 )
-from mobility_imu.wheelchair.geometry import DOCUMENT_TO_CHAIR, Side, side_sign
+from mobility_imu.wheelchair.geometry import DOCUMENT_TO_CHAIR, SAMPLE_CHAIR, SIDES, side_sign
+from mobility_imu.wheelchair.settings import TaskSettings
 from mobility_imu.wheelchair.tasks import (
+    Edge,
     Symbols,
     Task,
-    TaskSettings,
     curvature_radius,
     find_pattern,
-    identify_tasks,
     reduce_variability,
+    task_codes,
     task_steps,
 )
 from mobility_imu.wheelchair.velocity import linear_velocity, wheel_spin_rate, wheel_yaw_rate
 
 Evidences = tuple[Evidence, ...]
-SIDES: tuple[Side, Side] = ("left", "right")
 
 
 def resting_acceleration() -> Evidences:
@@ -70,7 +68,7 @@ def facing_of_the_sensor() -> Evidences:
     rng = np.random.default_rng(1)
     tilts = Rotation.from_rotvec(rng.normal(0, 0.3, (1000, 3))).as_matrix()
 
-    def agreement(facing: int, form: Literal["printed", "any mounting"] = "printed") -> float:
+    def agreement(facing: int, form: Form = "printed") -> float:
         worst = 1.0
         for side in SIDES:
             # The sensor's z is the outward axle, or the inward one, but for a small tilt.
@@ -94,7 +92,7 @@ def facing_of_the_sensor() -> Evidences:
         Evidence(
             what="the same, sensors facing outward",
             first_from="atan2, which follows the sign of the push",
-            first=agreement(1, "any mounting"),
+            first=agreement(1, "corrected"),
             second_from="arctangents as printed",
             second=agreement(1),
             truth=1.0,
@@ -303,7 +301,7 @@ def exactly_at_the_limit() -> Evidences:
 
     def turning(threshold_degps: float) -> float:
         settings = TaskSettings(yaw_rate_degps=threshold_degps)
-        codes = identify_tasks(np.full(200, 1.0), yaw, 100, settings)
+        codes = task_codes(np.full(200, 1.0), yaw, 100, settings)
         return float(np.isin(codes, [Task.PIVOT, Task.TIGHT, Task.WIDE]).sum())
 
     return (
@@ -345,7 +343,7 @@ def reach_of_step_4() -> Evidences:
 
     def forward(look_s: float, ramp_s: float) -> float:
         settings = TaskSettings(look_s=look_s)
-        codes = identify_tasks(*_start_and_stop(ramp_s), 100, settings)
+        codes = task_codes(*_start_and_stop(ramp_s), 100, settings)
         return float((codes == Task.FORWARD).sum())
 
     half, tool = 0.15, TaskSettings().look_s
@@ -374,8 +372,8 @@ def first_frames() -> Evidences:
     """W13: frames at rest at the beginning of a trial that begins in motion."""
     speed, yaw = np.full(300, 1.0), np.zeros(300)
 
-    def still(edge: Literal["covering", "tool"]) -> float:
-        return float((identify_tasks(speed, yaw, 100, edge=edge) == Task.STATIC).sum())
+    def still(edge: Edge) -> float:
+        return float((task_codes(speed, yaw, 100, edge=edge) == Task.STATIC).sum())
 
     return (
         Evidence(

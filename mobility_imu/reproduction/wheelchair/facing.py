@@ -9,10 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.frames import FloatArray
 from mobility_imu.simulation.wheelchair import Mounting, random_mounting
-from mobility_imu.wheelchair.geometry import Side, side_sign
+from mobility_imu.wheelchair.geometry import SIDES, side_sign
 
 Facing = Literal["outward", "inward"]
-SIDES: tuple[Side, Side] = ("left", "right")
 LARGEST_TILT_RAD = 0.5
 
 

@@ -8,6 +8,7 @@ axles positive forward instead; here the print is kept to the letter, so that it
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
 
@@ -16,10 +17,10 @@ from numpy.typing import ArrayLike
 
 from mobility_imu.frames import FloatArray
 from mobility_imu.recording import Recording
+from mobility_imu.results import Result
 from mobility_imu.wheelchair.calibration import alignment_matrix, realign, wheel_alignment_angles
-from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry, side_sign
+from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry, side_sign
 
-SIDES: tuple[Side, Side] = ("left", "right")
 # Slower than this a wheel's rate is mostly noise: it does not show the axle.
 SMALLEST_ROLLING_RATE_RADPS = 1.0
 
@@ -45,7 +46,7 @@ def printed_product(about_y_rad: float, about_x_rad: float) -> FloatArray:
     c, s = np.cos(about_y_rad), np.sin(about_y_rad)
     ce, se = np.cos(about_x_rad), np.sin(about_x_rad)
     about_y = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-    return about_y @ np.array([[1, 0, 0], [0, ce, -se], [0, se, ce]])
+    return np.asarray(about_y @ np.array([[1, 0, 0], [0, ce, -se], [0, se, ce]]))
 
 
 def printed_angles(vector_imu: ArrayLike) -> tuple[float, float]:
@@ -116,7 +117,8 @@ def yaw_rate_printed(
     ) / distance_m
 
 
-class WheelRates(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class WheelRates(Result):
     """Gyroscope of both wheels in wheel axes.
 
     Parameters
@@ -142,10 +144,10 @@ def wheel_rates_printed(straight: Recording, trial: Recording) -> WheelRates:
     """
     rates = []
     for side in SIDES:
-        pushed = np.asarray(straight.sensor(f"{side}_wheel", gyroscope=True).gyr_radps)
+        pushed = straight.gyroscope(f"{side}_wheel")
         rolling = pushed[np.linalg.norm(pushed, axis=1) > SMALLEST_ROLLING_RATE_RADPS]
         angles = wheel_alignment_angles(rolling.mean(axis=0), form="printed")
-        measured = np.asarray(trial.sensor(f"{side}_wheel", gyroscope=True).gyr_radps)
+        measured = trial.gyroscope(f"{side}_wheel")
         rates.append(realign(measured, alignment_matrix(*angles)))
     return WheelRates(*rates)
 
@@ -215,7 +217,7 @@ def gyroscope_outward(
     """
     s = side_sign(side)
     rim = velocity_mps - s * yaw_rate_radps * geometry.track_m / 2
-    spin = rim / getattr(geometry.wheel_radius_m, side)
+    spin = rim / geometry.wheel_radius_m.of(side)
     rate = spin * geometry.axle_direction(side) + np.array([0.0, 0.0, yaw_rate_radps])
     axle = outward_axle(geometry, side)
     along = float(rate @ axle)

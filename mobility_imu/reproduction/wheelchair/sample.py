@@ -8,6 +8,7 @@ series are bundled in ``data/reference``.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import NamedTuple
@@ -21,16 +22,12 @@ from mobility_imu.readers import read_recording
 from mobility_imu.readers.velocities import read_velocities
 from mobility_imu.recording import Recording
 from mobility_imu.reproduction.published import load_published
-from mobility_imu.wheelchair.calibration import WheelchairCalibration, calibrate
-from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry
-from mobility_imu.wheelchair.tasks import TaskSettings, identify_tasks
+from mobility_imu.results import Result
+from mobility_imu.wheelchair.calibration import WheelchairCalibration, calibrate_mount
+from mobility_imu.wheelchair.geometry import Side, side_sign
+from mobility_imu.wheelchair.settings import TaskSettings
+from mobility_imu.wheelchair.tasks import task_codes
 
-SAMPLE_CHAIR = WheelchairGeometry.from_degrees(
-    19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
-)
-"""The chair of the sample, from its file ``Properties.txt``."""
-
-SIDES: tuple[Side, Side] = ("left", "right")
 TRIAL_FILES = tuple(
     f"1 - For Data Preprocessing/{name}.csv" for name in ("Static", "StraightLine", "Propulsion")
 )
@@ -127,7 +124,8 @@ class Sample(NamedTuple):
     calibration: WheelchairCalibration
 
 
-class ToolVelocities(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class ToolVelocities(Result):
     """What the public tool made of the sample trial before its slip correction.
 
     Parameters
@@ -152,7 +150,7 @@ def load_sample(folder: Path) -> Sample:
     Sample
     """
     static, straight, trial = (read_recording(folder / name) for name in TRIAL_FILES)
-    return Sample(static, straight, trial, calibrate(static, straight))
+    return Sample(static, straight, trial, calibrate_mount(static, straight))
 
 
 def load_tool_velocities(folder: Path) -> ToolVelocities | None:
@@ -185,7 +183,7 @@ def differing_labels(reference: LabelFile, folder: Path) -> int:
     int, of all frames of the series
     """
     series = read_velocities(folder / reference.velocities)
-    ours = identify_tasks(
+    ours = task_codes(
         series.linear_velocity_mps,
         series.yaw_rate_radps,
         series.sampling_rate_hz,
@@ -222,8 +220,7 @@ def yaw_gain(
     factor : 1 if they agree
     share of the speed : rad/m, 0 if the radii are right
     """
-    sign = 1 if side == "left" else -1
-    turning = sign * yaw_rate_radps > SMALLEST_TURN_RADPS
+    turning = side_sign(side) * yaw_rate_radps > SMALLEST_TURN_RADPS
     causes = np.column_stack([yaw_rate_radps, linear_velocity_mps])[turning]
     factor, share = np.linalg.lstsq(causes, wheel_yaw_rate_radps[turning])[0]
     return float(factor), float(share)

@@ -10,7 +10,7 @@ import hashlib
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -20,10 +20,8 @@ from mobility_imu.reproduction.wheelchair.choices import frames_changed
 from mobility_imu.reproduction.wheelchair.printed import velocity_printed, wheel_rates_printed
 from mobility_imu.reproduction.wheelchair.sample import (
     LABEL_FILES,
-    SAMPLE_CHAIR,
     SAMPLE_FILES,
     SHIPPED_VELOCITIES,
-    SIDES,
     SMALLEST_TURN_RADPS,
     TOOL_VELOCITIES,
     Sample,
@@ -33,11 +31,16 @@ from mobility_imu.reproduction.wheelchair.sample import (
     load_tool_velocities,
     yaw_gain,
 )
+from mobility_imu.runs import changes_of
+from mobility_imu.wheelchair.calibration import Form
+from mobility_imu.wheelchair.geometry import SAMPLE_CHAIR, SIDES
 from mobility_imu.wheelchair.slip import detect_slip, slip_report, slip_sources, wheel_speeds
 from mobility_imu.wheelchair.tasks import identify_tasks
-from mobility_imu.wheelchair.velocity import Camber, ChairVelocity, estimate_velocity
+from mobility_imu.wheelchair.velocity import ChairVelocity, VelocitySettings, estimate_velocity
 
-CAMBERS: tuple[Camber, Camber] = ("printed", "sign-safe")
+Term = Literal["printed", "sign-safe"]
+FORMS: dict[Term, Form] = {"printed": "printed", "sign-safe": "corrected"}
+"""Form of (1.16) by the name that the pages and the record give to its camber term."""
 Numbers = dict[str, Any]
 
 
@@ -99,7 +102,7 @@ def sample_checksum(folder: Path) -> str:
 
 
 @lru_cache(maxsize=2)
-def cached_sample(folder: Path) -> tuple[Sample, dict[Camber, ChairVelocity]]:
+def cached_sample(folder: Path) -> tuple[Sample, dict[Term, ChairVelocity]]:
     """Sample, and its velocities with either camber term, read and computed once.
 
     Parameters
@@ -112,8 +115,10 @@ def cached_sample(folder: Path) -> tuple[Sample, dict[Camber, ChairVelocity]]:
     """
     sample = load_sample(folder)
     return sample, {
-        camber: estimate_velocity(sample.trial, sample.calibration, SAMPLE_CHAIR, camber=camber)
-        for camber in CAMBERS
+        term: estimate_velocity(
+            sample.trial, SAMPLE_CHAIR, sample.calibration.mount, VelocitySettings(form=form)
+        )
+        for term, form in FORMS.items()
     }
 
 
@@ -131,13 +136,13 @@ def mounting_numbers(folder: Path) -> Numbers:
     axis in m/s², and the printed velocity over the driven one
     """
     sample, _ = cached_sample(folder)
-    mounted = sample.calibration
-    forward, _, up = mounted.rotation_frame_imu_to_chair
+    mount = sample.calibration.mount
+    forward, _, up = mount.rotation_frame_imu_to_chair
     x_level = np.array([1.0, 0.0, 0.0]) - up[0] * up
     askew = np.arctan2(np.linalg.norm(np.cross(x_level, forward)), x_level @ forward)
     return {
-        "axle_z": {s: round(float(mounted.rotation_imu_to_wheel(s)[2, 2]), 3) for s in SIDES},
-        "largest_off_axle_percent": round(100 * max(mounted.off_axle_share), 2),
+        "axle_z": {s: round(float(mount.rotation_imu_to_wheel(s)[2, 2]), 3) for s in SIDES},
+        "largest_off_axle_percent": round(100 * max(sample.calibration.off_axle_share), 2),
         "x_beside_forward_deg": round(float(np.rad2deg(askew)), 2),
         "resting_along_imu_z_mps2": round(
             float(sample.static.sensor("frame").acc_mps2[:, 2].mean()), 2
@@ -162,11 +167,10 @@ def resting_direction(sample: Sample) -> float:
     float, +1 or -1
     """
     resting = sample.static.sensor("frame").acc_mps2.mean(axis=0)
-    about = np.asarray(sample.trial.sensor("frame").gyr_radps) @ resting
+    about = sample.trial.gyroscope("frame") @ resting
     radius = SAMPLE_CHAIR.wheel_radius_m
     left, right = (
-        np.asarray(sample.trial.sensor(f"{side}_wheel").gyr_radps)
-        @ sample.calibration.rotation_imu_to_wheel(side)[2]
+        sample.calibration.mount.wheel(side, sample.trial.gyroscope(f"{side}_wheel"))[:, 2]
         for side in SIDES
     )
     return float(np.sign((radius.right * right - radius.left * left) @ about))
@@ -216,14 +220,14 @@ def velocity_numbers(folder: Path) -> Numbers:
         ),
         "longest_right_turn_frames": int(np.diff(right).max()) - 1,
     }
-    for camber, found in velocity.items():
+    for term, found in velocity.items():
         factor, share = yaw_gain(
             found.yaw_rate_radps,
             found.wheel_yaw_rate_radps,
             found.linear_velocity_mps,
             side="left",
         )
-        numbers[camber] = {
+        numbers[term] = {
             "yaw_factor_left_turns": round(factor, 3),
             "radii_apart_percent": round(100 * share * SAMPLE_CHAIR.track_m, 2),
             "slip_percent": round(100 * float(found.slip.mean()), 3),
@@ -233,13 +237,13 @@ def velocity_numbers(folder: Path) -> Numbers:
     return numbers
 
 
-def _tool_differences(velocity: dict[Camber, ChairVelocity], tool: ToolVelocities) -> Numbers:
+def _tool_differences(velocity: dict[Term, ChairVelocity], tool: ToolVelocities) -> Numbers:
     windows = detect_slip(tool.yaw_rate_radps, tool.wheel_yaw_rate_radps, 100.0)
     yaw = velocity["printed"].yaw_rate_radps - tool.yaw_rate_radps
     return {
         "largest_difference_mps": {
-            camber: round(largest(found.linear_velocity_mps - tool.linear_velocity_mps), 4)
-            for camber, found in velocity.items()
+            term: round(largest(found.linear_velocity_mps - tool.linear_velocity_mps), 4)
+            for term, found in velocity.items()
         },
         "largest_yaw_difference_degps": round(largest(np.rad2deg(yaw)), 4),
         "slip_windows": len(windows.first),
@@ -266,10 +270,12 @@ def slip_numbers(folder: Path) -> Numbers:
     """
     sample, velocity = cached_sample(folder)
     plain = velocity["sign-safe"]
-    best = estimate_velocity(sample.trial, sample.calibration, SAMPLE_CHAIR, slip_correction=True)
+    mount = sample.calibration.mount
+    best = estimate_velocity(
+        sample.trial, SAMPLE_CHAIR, mount, VelocitySettings(slip_correction=True)
+    )
     windows = detect_slip(plain.yaw_rate_radps, plain.wheel_yaw_rate_radps, 100.0)
-    forward = sample.calibration.rotation_frame_imu_to_chair[0]
-    acc = sample.trial.sensor("frame").acc_mps2 @ forward
+    acc = mount.frame(sample.trial.sensor("frame").acc_mps2)[:, 0]
     wheels = wheel_speeds(
         plain.linear_velocity_mps, plain.wheel_yaw_rate_radps, plain.yaw_rate_radps, SAMPLE_CHAIR
     )
@@ -289,7 +295,7 @@ def slip_numbers(folder: Path) -> Numbers:
         "corrected": report.to_frame()[report.corrected].round(3).to_dict("records"),
         "jumps_in_the_last_mps": {
             side: round(float(np.ptp(speed[near])), 2)
-            for side, speed in zip(SIDES, wheels, strict=True)
+            for side, speed in (("left", wheels.left), ("right", wheels.right))
         },
     }
 
@@ -308,8 +314,8 @@ def task_numbers(folder: Path) -> Numbers:
     """
     _, velocity = cached_sample(folder)
     found = velocity["sign-safe"]
-    codes = identify_tasks(found.linear_velocity_mps, found.yaw_rate_radps, 100.0)
-    starts = np.r_[0, np.nonzero(np.diff(codes))[0] + 1]
+    codes = identify_tasks(found).codes
+    starts = changes_of(codes)
     numbers: Numbers = {
         "frames": len(codes),
         "run_starts": starts.tolist(),

@@ -22,7 +22,6 @@ from mobility_imu.reproduction.wheelchair.choices import frames_changed, label_s
 from mobility_imu.reproduction.wheelchair.recorded_sample import sample_note, sample_numbers
 from mobility_imu.reproduction.wheelchair.sample import (
     LABEL_FILES,
-    SAMPLE_CHAIR,
     SAMPLE_FILES,
     SHIPPED_VELOCITIES,
     TOOL_VELOCITIES,
@@ -31,7 +30,7 @@ from mobility_imu.reproduction.wheelchair.sample import (
     yaw_gain,
 )
 from mobility_imu.reproduction.wheelchair.sample_study import PARTS, sample_checksum, study
-from mobility_imu.wheelchair import estimate_velocity, identify_tasks
+from mobility_imu.wheelchair import SAMPLE_CHAIR, VelocitySettings, estimate_velocity, task_codes
 from mobility_imu.wheelchair.slip import detect_slip
 from mobility_imu.wheelchair.velocity import printed_yaw_gain
 
@@ -72,7 +71,7 @@ def frames_unlike_the_tools(file, edge):
     folder = file.folder(SAMPLE)
     series = read_velocities(folder / file.velocities)
     theirs = pd.read_csv(folder / file.labels)["label"]
-    ours = identify_tasks(
+    ours = task_codes(
         series.linear_velocity_mps,
         series.yaw_rate_radps,
         series.sampling_rate_hz,
@@ -105,7 +104,7 @@ def test_the_made_up_series_has_all_six_tasks_and_labels_that_can_differ():
 def test_open_choices_change_as_many_frames_as_another_implementation_found():
     series = read_velocities(reference_folder() / "velocities_six_tasks.csv.gz")
     v, w = series.linear_velocity_mps, series.yaw_rate_radps
-    assert (label_steps(v, w, 100) == identify_tasks(v, w, 100)).all()
+    assert (label_steps(v, w, 100) == task_codes(v, w, 100)).all()
     # Counted beforehand with a plain implementation that shares no code with this one.
     assert frames_changed(v, w, 100) == {
         "first frames as in the tool": 0,
@@ -154,18 +153,20 @@ def tool():
     return pd.read_csv(SAMPLE / TOOL_VELOCITIES)
 
 
-def estimated(sample, camber):
-    return estimate_velocity(sample.trial, sample.calibration, SAMPLE_CHAIR, camber=camber)
+def estimated(sample, form):
+    return estimate_velocity(
+        sample.trial, SAMPLE_CHAIR, sample.calibration.mount, VelocitySettings(form=form)
+    )
 
 
 @needs_tool
 def test_velocities_before_slip_correction(sample, tool):
-    printed, safe = (estimated(sample, camber) for camber in ("printed", "sign-safe"))
+    printed, safe = (estimated(sample, form) for form in ("printed", "corrected"))
     # The tool averages per-frame matrices, the package takes the principal axis of the rate. The
     # limit was set with the result known: 0.0038 with the document's mean rate, 0.0011 here.
     difference = printed.linear_velocity_mps - tool["linear_velocity_mps"]
     assert np.abs(difference).max() <= 0.004
-    # The sign-safe form is meant to differ: half the difference of the radii times sin(camber) for
+    # The corrected form is meant to differ: half the difference of the radii times sin(form) for
     # each rad/s of yaw rate, and the vibration across the axles, which the tool takes for turning.
     apart = np.abs(safe.linear_velocity_mps - tool["linear_velocity_mps"]).max()
     assert 0.01 < apart < 0.1
@@ -180,10 +181,10 @@ def test_velocities_before_slip_correction(sample, tool):
 
 @needs_sample
 def test_slip_share_is_mostly_the_printed_camber_term(sample):
-    share = {camber: estimated(sample, camber).slip.mean() for camber in ("printed", "sign-safe")}
+    share = {form: estimated(sample, form).slip.mean() for form in ("printed", "corrected")}
     # the tool: 3670 of 12656 frames; single frames flip at the threshold
     assert share["printed"] == pytest.approx(3670 / FRAMES, abs=0.005)
-    assert share["sign-safe"] <= 0.03
+    assert share["corrected"] <= 0.03
 
 
 @needs_tool
@@ -200,22 +201,22 @@ def test_slip_windows_are_the_tools_when_the_yaw_rates_are(tool):
 @needs_sample
 def test_wheels_follow_the_frame_in_left_turns_only_with_the_sign_safe_term(sample):
     gain, share = {}, {}
-    for camber in ("printed", "sign-safe"):
-        found = estimated(sample, camber)
-        gain[camber], share[camber] = yaw_gain(
+    for form in ("printed", "corrected"):
+        found = estimated(sample, form)
+        gain[form], share[form] = yaw_gain(
             found.yaw_rate_radps,
             found.wheel_yaw_rate_radps,
             found.linear_velocity_mps,
             side="left",
         )
     # a track known to 1 cm of 84, radii to 1 %
-    assert gain["sign-safe"] == pytest.approx(1.0, abs=0.02)
+    assert gain["corrected"] == pytest.approx(1.0, abs=0.02)
     # the rate across the axle, which the print takes for the yaw rate's, has vibration in it too
     assert gain["printed"] == pytest.approx(printed_yaw_gain(SAMPLE_CHAIR)[0], abs=0.03)
     # The stated radii differ by 1.5 %; the turns say that the wheels do not (within 0.3 %, one
     # millimetre).
     stated = 2 * (0.3195 - 0.3147) / (0.3195 + 0.3147)
-    assert share["sign-safe"] * SAMPLE_CHAIR.track_m == pytest.approx(stated, abs=0.003)
+    assert share["corrected"] * SAMPLE_CHAIR.track_m == pytest.approx(stated, abs=0.003)
 
 
 @needs_sample

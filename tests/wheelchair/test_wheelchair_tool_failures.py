@@ -18,11 +18,11 @@ from mobility_imu.simulation.wheelchair import (
 from mobility_imu.wheelchair import (
     TaskSettings,
     WheelchairGeometry,
-    calibrate,
+    calibrate_mount,
     estimate_velocity,
-    identify_tasks,
+    task_codes,
 )
-from mobility_imu.wheelchair.tasks import read_settings
+from mobility_imu.wheelchair.settings import read_settings
 
 CHAIR = WheelchairGeometry.from_degrees(
     15, wheel_radius_left_m=0.31, wheel_radius_right_m=0.31, track_m=0.8
@@ -60,7 +60,7 @@ def test_every_mounting_on_an_axis(frame, left, right):
         for legs in (STATIC_TRIAL, STRAIGHT_TRIAL, COURT)
     )
     found = estimate_velocity(
-        court.recording, calibrate(static.recording, straight.recording), CHAIR
+        court.recording, CHAIR, calibrate_mount(static.recording, straight.recording).mount
     )
     assert np.abs(found.linear_velocity_mps - court.linear_velocity_mps).max() < 1e-9
     assert np.abs(found.yaw_rate_radps - court.yaw_rate_radps).max() < 1e-9
@@ -85,7 +85,7 @@ def test_long_recordings():
     """The tool runs out of stack at 21 minutes."""
     rng = np.random.default_rng(1)
     velocity, yaw = rng.normal(0.5, 0.5, 360_000), rng.normal(0, 0.7, 360_000)
-    assert len(identify_tasks(velocity, yaw, 100)) == 360_000
+    assert len(task_codes(velocity, yaw, 100)) == 360_000
 
 
 def test_savitzky_golay_filters():
@@ -118,5 +118,5 @@ def test_zero_thresholds_survive_the_settings_file(tmp_path):
 
 def test_no_yaw_rate_at_all():
     """The radius is then infinite, not NaN: a chair that goes straight."""
-    codes = identify_tasks(np.full(200, 1.0), np.zeros(200), 100)
+    codes = task_codes(np.full(200, 1.0), np.zeros(200), 100)
     assert set(codes) == {2}

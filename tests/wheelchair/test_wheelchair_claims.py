@@ -18,13 +18,14 @@ from mobility_imu.reproduction.wheelchair import claims as rows_module
 from mobility_imu.reproduction.wheelchair import claims_equations
 from mobility_imu.reproduction.wheelchair.claims import claims
 from mobility_imu.reproduction.wheelchair.sample import (
-    SAMPLE_CHAIR,
     SAMPLE_FILES,
     TOOL_VELOCITIES,
 )
 from mobility_imu.reproduction.wheelchair.sample_study import cached_sample
 from mobility_imu.simulation.wheelchair import IDEAL, random_mounting, simulate_drive
-from mobility_imu.wheelchair.tasks import TaskSettings, find_pattern, task_steps
+from mobility_imu.wheelchair import SAMPLE_CHAIR
+from mobility_imu.wheelchair.settings import TaskSettings
+from mobility_imu.wheelchair.tasks import find_pattern, task_steps
 
 SAMPLE = sample_folder()
 PAPERS = os.environ.get("MOBILITY_IMU_PAPERS")

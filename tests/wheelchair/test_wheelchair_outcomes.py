@@ -1,12 +1,12 @@
 """Geometry check, one wheel, standard deviations, filters, events and pushes of a chair."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from mobility_imu.errors import InputError
 from mobility_imu.filters import moving_average, savitzky_golay
-from mobility_imu.outcomes import PushSettings, detect_pushes, task_events, turn_direction
-from mobility_imu.recording import Recording
+from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation.wheelchair import (
     COURT,
     IDEAL,
@@ -18,13 +18,22 @@ from mobility_imu.simulation.wheelchair import (
     simulate_drive,
 )
 from mobility_imu.wheelchair import (
+    SAMPLE_CHAIR,
     Task,
+    VelocitySettings,
     WheelchairGeometry,
-    calibrate,
+    calibrate_mount,
     estimate_velocity,
-    identify_tasks,
+    task_codes,
 )
 from mobility_imu.wheelchair.check import check_geometry
+from mobility_imu.wheelchair.outcomes import (
+    PushSettings,
+    detect_pushes,
+    onset_errors,
+    task_events,
+    turn_direction,
+)
 from mobility_imu.wheelchair.velocity import (
     linear_velocity,
     single_wheel_velocity,
@@ -33,9 +42,7 @@ from mobility_imu.wheelchair.velocity import (
     wheel_yaw_standard_deviation,
 )
 
-CHAIR = WheelchairGeometry.from_degrees(
-    19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
-)
+CHAIR = SAMPLE_CHAIR
 
 
 def drive(geometry=CHAIR, seed=0, noise=LIKE_SAMPLE):
@@ -44,7 +51,7 @@ def drive(geometry=CHAIR, seed=0, noise=LIKE_SAMPLE):
         simulate_drive(legs, geometry, mounting, seed=10 * seed + k, noise=noise)
         for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
     ]
-    return trials[2], calibrate(trials[0].recording, trials[1].recording)
+    return trials[2], calibrate_mount(trials[0].recording, trials[1].recording)
 
 
 @pytest.fixture(scope="module")
@@ -68,8 +75,8 @@ def changed(**values):
 
 class TestGeometryCheck:
     def test_right_geometry_passes(self, court):
-        found = check_geometry(court[0].recording, court[1], CHAIR)
-        assert found.messages == ()
+        found = check_geometry(court[0].recording, CHAIR, court[1].mount)
+        assert found.warnings == ()
         assert found.yaw_gain_left == pytest.approx(1, abs=0.002)
         assert found.yaw_gain_right == pytest.approx(1, abs=0.002)
         assert found.track_m == pytest.approx(0.84, abs=3 * found.track_sd_m)
@@ -77,25 +84,27 @@ class TestGeometryCheck:
         assert found.camber_rad == pytest.approx(CHAIR.camber_rad, abs=found.camber_sd_rad)
 
     def test_wrong_track_is_named_with_its_size(self, court):
-        found = check_geometry(court[0].recording, court[1], changed(track_m=0.86))
+        found = check_geometry(court[0].recording, changed(track_m=0.86), court[1].mount)
         assert found.track_m == pytest.approx(0.84, abs=0.002)
-        (message,) = found.messages
+        (message,) = found.warnings
         assert "0.840 m, not 0.860 m" in message and "-0.020 m" in message
 
     def test_both_radii_too_large(self, court):
         wrong = changed(wheel_radius_left_m=0.3147 * 1.03, wheel_radius_right_m=0.3195 * 1.03)
-        (message,) = check_geometry(court[0].recording, court[1], wrong).messages
+        (message,) = check_geometry(court[0].recording, wrong, court[1].mount).warnings
         assert "both radii should be -2.9%" in message  # 1 / 1.03
 
     def test_one_radius_wrong(self, court):
         wrong = changed(wheel_radius_right_m=0.3195 * 0.99)
-        found = check_geometry(court[0].recording, court[1], wrong)
+        found = check_geometry(court[0].recording, wrong, court[1].mount)
         assert found.radius_ratio == pytest.approx(1 / 0.99, abs=0.002)
-        assert any("right radius over the left" in message for message in found.messages)
+        assert any("right radius over the left" in message for message in found.warnings)
 
     def test_wrong_camber_shows_across_the_axles(self, court):
-        found = check_geometry(court[0].recording, court[1], changed(camber_rad=np.deg2rad(12)))
-        assert any("camber of 19.0 deg, not 12.0 deg" in message for message in found.messages)
+        found = check_geometry(
+            court[0].recording, changed(camber_rad=np.deg2rad(12)), court[1].mount
+        )
+        assert any("camber of 19.0 deg, not 12.0 deg" in message for message in found.warnings)
 
     def test_swapped_wheels(self, court):
         def swap(recording):
@@ -115,14 +124,14 @@ class TestGeometryCheck:
             for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL))
         )
         found = check_geometry(
-            swap(court[0].recording), calibrate(swap(static), swap(straight)), CHAIR
+            swap(court[0].recording), CHAIR, calibrate_mount(swap(static), swap(straight)).mount
         )
-        assert "swapped" in found.messages[0]
+        assert "swapped" in found.warnings[0]
 
     def test_without_turns_nothing_can_be_said(self, court):
         straight = simulate_drive(STRAIGHT_TRIAL, CHAIR, random_mounting(0), seed=1).recording
         with pytest.raises(InputError, match="s of turning"):
-            check_geometry(straight, court[1], CHAIR)
+            check_geometry(straight, CHAIR, court[1].mount)
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
@@ -133,7 +142,7 @@ def test_one_wheel_and_the_frame_are_enough(side, camber_deg):
     )
     trial, calibration = drive(geometry, noise=IDEAL)
     gyr = trial.recording.sensors[f"{side}_wheel"].gyr_radps
-    axle = gyr @ calibration.rotation_imu_to_wheel(side)[2]
+    axle = gyr @ calibration.mount.rotation_imu_to_wheel(side)[2]
     velocity = single_wheel_velocity(axle, trial.yaw_rate_radps, geometry, side=side)
     assert np.abs(velocity - trial.linear_velocity_mps).max() < 1e-9
 
@@ -149,14 +158,15 @@ def test_a_missing_wheel_sensor(missing):
         simulate_drive(legs, CHAIR, mounting, seed=k, noise=IDEAL)
         for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
     )
-    calibration = calibrate(static.recording, without(straight.recording))
+    calibration = calibrate_mount(static.recording, without(straight.recording))
     trial = without(court.recording)
-    with pytest.warns(UserWarning, match="slip cannot be seen"):
-        found = estimate_velocity(trial, calibration, CHAIR)
+    assert f"no sensor on the {missing.removesuffix('_wheel')} wheel" in calibration.warnings[0]
+    found = estimate_velocity(trial, CHAIR, calibration.mount)
+    assert "slip cannot be seen" in found.warnings[0]
     assert np.abs(found.linear_velocity_mps - court.linear_velocity_mps).max() < 1e-9
     assert not found.slip.any()
     with pytest.raises(InputError, match="needs both wheels"):
-        estimate_velocity(trial, calibration, CHAIR, camber="printed")
+        estimate_velocity(trial, CHAIR, calibration.mount, VelocitySettings(form="printed"))
 
 
 def test_swapped_wheels_are_refused():
@@ -170,7 +180,7 @@ def test_swapped_wheels_are_refused():
         for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
     )
     with pytest.raises(InputError, match="swapped"):
-        estimate_velocity(court, calibrate(static, straight), CHAIR)
+        estimate_velocity(court, CHAIR, calibrate_mount(static, straight).mount)
 
 
 def test_standard_deviations_by_monte_carlo():
@@ -224,7 +234,7 @@ class TestFilters:
 class TestEvents:
     def test_events_tile_the_trial_and_add_up(self, court):
         trial = court[0]
-        codes = identify_tasks(trial.linear_velocity_mps, trial.yaw_rate_radps, 100)
+        codes = task_codes(trial.linear_velocity_mps, trial.yaw_rate_radps, 100)
         table = task_events(
             trial.recording.time_s, codes, trial.linear_velocity_mps, trial.yaw_rate_radps
         )
@@ -300,3 +310,87 @@ class TestPushes:
     def test_settings_are_checked(self):
         with pytest.raises(InputError, match="smallest_gain_mps"):
             PushSettings(smallest_gain_mps=0)
+
+
+UNEVEN = {
+    "a gap": ([0.0, 1, 2, 3, 10], "gap of 7 s after 3 s"),
+    "backwards": ([4.0, 3, 2, 1, 0], "runs backwards"),
+    "twice": ([0.0, 0, 0, 0, 0], "stands twice"),
+    "NaN": ([0.0, 1, np.nan, 3, 4], "sample 2 is nan"),
+    "one": ([0.0], "expected at least 2"),
+    "none": ([], "expected at least 2"),
+    "two dimensions": (np.zeros((5, 2)), "one time series"),
+    "text": (list("abcde"), "expected real numbers"),
+}
+
+
+@pytest.mark.parametrize(("time_s", "message"), UNEVEN.values(), ids=UNEVEN)
+def test_clocks_that_cannot_be_used_are_refused(time_s, message):
+    count = len(time_s)
+    with pytest.raises(InputError, match=f"time_s: .*{message}"):
+        task_events(time_s, np.ones(count), np.ones(count), np.ones(count))
+    with pytest.raises(InputError, match=f"time_s: .*{message}"):
+        detect_pushes(time_s, np.ones(count))
+
+
+def test_codes_come_as_lists_series_and_arrays_alike():
+    time_s = np.arange(6) / 10
+    codes = [1, 1, 4, 4, 2, 2]
+    velocity, yaw = np.ones(6), np.full(6, 0.5)
+    first = task_events(time_s, codes, velocity, yaw)
+    index = range(10, 16)
+    series = (pd.Series(values, index=index) for values in (time_s, codes, velocity, yaw))
+    for other in (
+        task_events(*series),
+        task_events(list(time_s), np.array(codes, float), list(velocity), list(yaw)),
+    ):
+        pd.testing.assert_frame_equal(first, other)
+    assert turn_direction(pd.Series(codes, index=index), yaw).tolist()[2] == "left"
+    assert turn_direction([], []).tolist() == []
+
+
+@pytest.mark.parametrize(
+    ("codes", "message"),
+    [
+        ([1, 2, 7], "codes: sample 2 is 7, expected 1 to 6"),
+        ([1, 2.5, 3], "codes: sample 1 is 2.5"),
+        ([1, 2], "codes: expected 3 samples like the others, got 2"),
+        (np.array([0, 1, 2], np.int8), "codes: sample 0 is 0"),
+        ([[1, 2, 3]], "codes: expected one time series"),
+        ([1, np.nan, 2], "codes: sample 1 is nan"),
+    ],
+)
+def test_codes_that_are_no_tasks_are_refused(codes, message):
+    with pytest.raises(InputError, match=message):
+        task_events([0.0, 0.1, 0.2], codes, np.zeros(3), np.zeros(3))
+
+
+def test_a_true_task_that_was_not_found_has_no_onset_error():
+    errors = onset_errors([1, 1, 1, 1, 2, 2], [1, 1, 4, 2, 2, 2], 10)
+    assert errors["task"].tolist() == ["pivot rotation", "forward propulsion"]
+    assert np.isnan(errors["error_s"][0]) and errors["error_s"][1] == pytest.approx(0.1)
+    with pytest.raises(InputError, match="expected 3 samples"):
+        onset_errors([1, 1], [1, 1, 2], 100)
+
+
+def test_a_wheel_that_the_straight_line_lacks_stops_the_check(court):
+    trials = drive()
+    static, straight = (
+        simulate_drive(legs, CHAIR, random_mounting(0), seed=k).recording
+        for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL))
+    )
+    sensors = {k: v for k, v in straight.sensors.items() if k != "left_wheel"}
+    mount = calibrate_mount(static, Recording(straight.time_s, sensors)).mount
+    for call in (check_geometry, estimate_velocity):
+        with pytest.raises(InputError, match="left wheel's sensor: it is missing in the straight"):
+            call(trials[0].recording, CHAIR, mount)
+
+
+@pytest.mark.parametrize("dead", [("left_wheel", "right_wheel")])
+def test_dead_wheels_are_no_matter_for_linear_algebra(court, dead):
+    recording, mount = court[0].recording, court[1].mount
+    sensors = dict(recording.sensors)
+    for name in dead:
+        sensors[name] = Imu(sensors[name].acc_mps2, np.zeros((len(recording), 3)))
+    with pytest.raises(InputError, match="do both wheel sensors work"):
+        check_geometry(Recording(recording.time_s, sensors), CHAIR, mount)
