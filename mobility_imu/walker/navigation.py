@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_series, as_vectors
-from mobility_imu.walker import recursion
+from mobility_imu.walker import _kernel as recursion
 from mobility_imu.walker.geometry import rotation_world_to_imu
 
 STATES = ("attitude", "gyr_bias", "position", "velocity", "acc_bias")

@@ -16,7 +16,7 @@ from mobility_imu.reproduction.walker.studies import DATASHEET
 from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.runs import runs_of
 from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
-from mobility_imu.walker import recursion
+from mobility_imu.walker import _kernel as recursion
 from mobility_imu.walker.geometry import rotation_world_to_imu
 from mobility_imu.walker.navigation import (
     NavigationSettings,
@@ -305,7 +305,7 @@ def test_strides_break_where_rest_begins_and_ends_and_around_what_stands_alone()
 def test_same_without_compiling():
     """The functions give the same when Python runs them as they stand."""
     code = """
-import sys; sys.path.insert(0, "tests")
+import sys; sys.path.insert(0, "tests/walker")
 import numpy as np
 from test_walker_navigation import wobbling
 from mobility_imu.walker.navigation import navigate
@@ -315,7 +315,7 @@ np.save(sys.argv[1], np.column_stack([n.quaternion, n.position_m, n.sd]))
     import tempfile
     from pathlib import Path
 
-    root = Path(__file__).resolve().parents[1]
+    root = Path(__file__).resolve().parents[2]
     found = []
     with tempfile.TemporaryDirectory() as folder:
         for off in ("0", "1"):
