@@ -226,10 +226,15 @@ def transpose(a: FloatArray, out: FloatArray) -> None:
 
 @_compiled
 def sandwich(a: FloatArray, p: FloatArray, work: FloatArray, other: FloatArray) -> None:
-    """Replace a symmetric p by a p a' = a (a p)'; it stays symmetric after rounding, too."""
+    """Replace a symmetric p by a p a' = a (a p)'."""
     multiply(a, p, work)
     transpose(work, other)
     multiply(a, other, p)
+
+
+@_compiled
+def symmetrise(p: FloatArray) -> None:
+    """Take out the unsymmetric part that rounding leaves; the updates would let it grow."""
     for i in range(15):
         for j in range(i):
             p[16 * j + i] = p[16 * i + j]
@@ -335,6 +340,7 @@ def run_filter(
                 for i in range(240):
                     phi[i] = other[i]
         sandwich(phi, p, other, spare)
+        symmetrise(p)
         force = noise[N_SATURATED] * h if saturated[begin] else noise[N_ACC]
         add_noise(p, noise, force, h, end - begin, fraction)
         if rest:
@@ -435,3 +441,4 @@ def run_smoother(
             mu[i] = changed[i]
         transpose(spare, p)
         sandwich(p, big_lambda, known, other)  # Phi' Lambda Phi
+        symmetrise(big_lambda)
