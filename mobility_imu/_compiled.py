@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Literal, TypeVar, cast
 
 try:
@@ -75,9 +75,10 @@ def machine_code_ready(function: Callable[..., Any], *arguments: Any) -> bool:
     bool
     """
     dispatcher: Any = function
+    typeof: Callable[[Any], Any] = getattr(numba, "typeof", type)
     if numba is None or not hasattr(dispatcher, "overloads"):
         return False
-    types = tuple(numba.typeof(argument) for argument in arguments)
+    types = tuple(typeof(argument) for argument in arguments)
     if types in dispatcher.overloads:
         return True
     try:
@@ -90,7 +91,7 @@ def machine_code_ready(function: Callable[..., Any], *arguments: Any) -> bool:
 
 
 def choose(
-    functions: dict[Callable[..., Any], tuple[Any, ...]], *, plain_s: float, what: str
+    functions: Mapping[Callable[..., Any], tuple[Any, ...]], *, plain_s: float, what: str
 ) -> Literal["compiled", "plain"]:
     """Whether to run loops compiled, or their plain form.
 

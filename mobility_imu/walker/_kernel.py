@@ -292,7 +292,7 @@ def observe(
     its variance.
     """
     left = innovation - error[i]
-    variance = p[17 * i] + 1 / weight  # S
+    variance: float = p[17 * i] + 1 / weight  # S
     for j in range(16):
         row[j] = p[16 * i + j]
     for j in range(16):
@@ -301,7 +301,8 @@ def observe(
         gain = row[k] / variance
         for j in range(16):
             p[16 * k + j] -= gain * row[j]
-    return left * left / variance
+    nis: float = left * left / variance
+    return nis
 
 
 @_compiled

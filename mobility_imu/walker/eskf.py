@@ -173,7 +173,7 @@ def update(
     -------
     Update
     """
-    information = np.linalg.inv(h @ covariance @ h.T + np.diag(r))
+    information: FloatArray = np.asarray(np.linalg.inv(h @ covariance @ h.T + np.diag(r)), float)
     gain = covariance @ h.T @ information
     left = _EYE15 - gain @ h
     error = gain @ z

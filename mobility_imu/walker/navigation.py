@@ -10,8 +10,9 @@ samples, with the means over these intervals; what is given out is brought back 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -476,7 +477,10 @@ def _solve(
         problem.ends, covariances, transitions, innovations, weights, errors, mu, np.zeros(240),
         work, states, variances,
     )  # fmt: skip
-    loops = {_kernel.run_filter: forward, _kernel.run_smoother: backward}
+    loops: dict[Callable[..., None], tuple[Any, ...]] = {
+        _kernel.run_filter: forward,
+        _kernel.run_smoother: backward,
+    }
     way = choose(loops, plain_s=count * _PLAIN_S_PER_SAMPLE, what="walker's filter")
     if way == "compiled":
         _kernel.run_filter(*forward)
