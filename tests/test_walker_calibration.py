@@ -1,5 +1,6 @@
 """Walker: the paper's equations, the calibration and the trajectory against simulated truth."""
 
+import dataclasses
 import functools
 import re
 
@@ -442,7 +443,7 @@ def test_a_small_first_tilt_still_names_the_others():
     quaternion[span] = (attitude[span.start] * Rotation.from_rotvec(small)).as_quat(
         scalar_first=True
     )
-    left, said = find_tilts(path._replace(quaternion=quaternion))
+    left, said = find_tilts(dataclasses.replace(path, quaternion=quaternion))
     assert [tilt.direction for tilt in left] == ["back", "right", "left"]
     assert any("reaches only 8.0 deg" in text for text in said)
     # Back and right alone also fit front and left: the order has to be stated.
@@ -491,7 +492,7 @@ def test_tilt_across_a_corner_is_refused():
     ) * lean * (attitude[span.start].inv() * up * attitude[span.start]).inv()  # fmt: skip
     mixed = np.where(inside[:, None], turned.as_quat(scalar_first=True), path.quaternion)
     with pytest.raises(InputError, match=r"(39|40|41) deg off"):
-        find_tilts(path._replace(quaternion=mixed))
+        find_tilts(dataclasses.replace(path, quaternion=mixed))
 
 
 def test_ill_conditioned_mounting_is_said():

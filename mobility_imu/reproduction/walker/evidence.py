@@ -92,7 +92,7 @@ def _error_columns() -> tuple[FloatArray, FloatArray, FloatArray]:
 def sign_of_the_gyroscope_bias() -> Evidences:
     """K2: factor from the gyroscope's bias to the attitude error."""
     columns, q_hat, acc = _error_columns()
-    printed = error_dynamics(q_hat, np.zeros(3), acc, dynamics="printed")
+    printed = error_dynamics(q_hat, np.zeros(3), acc, form="printed")
     corrected = error_dynamics(q_hat, np.zeros(3), acc)
     return (
         Evidence(
@@ -110,7 +110,7 @@ def sign_of_the_gyroscope_bias() -> Evidences:
 def accelerometer_bias() -> Evidences:
     """K10: norm of the block from the accelerometer's bias to the velocity error."""
     columns, q_hat, acc = _error_columns()
-    printed = error_dynamics(q_hat, np.zeros(3), acc, dynamics="printed")
+    printed = error_dynamics(q_hat, np.zeros(3), acc, form="printed")
     corrected = error_dynamics(q_hat, np.zeros(3), acc)
     truth = columns[3:, 3:]
     return (

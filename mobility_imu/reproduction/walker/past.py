@@ -102,7 +102,7 @@ def printed_dynamics(seeds: Iterable[int], executor: Any = None) -> pd.DataFrame
     ways = {
         f"{dynamics}{'' if zero_rate else ', no zero-rate update'}": Level(
             DATASHEET,
-            navigation=NavigationSettings(dynamics=dynamics, zero_rate=zero_rate),
+            navigation=NavigationSettings(form=dynamics, zero_rate=zero_rate),
         )
         for dynamics in ("corrected", "printed")
         for zero_rate in (True, False)

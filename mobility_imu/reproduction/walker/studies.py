@@ -397,10 +397,10 @@ def sources() -> dict[str, Level]:
         "detector 0.08 rad/s, 0.5 m/s²": detector(0.08, 0.5),
         "detector 0.15 rad/s, 0.9 m/s²": detector(0.15, 0.9),
         "eq. 24 corrected, no zero-rate": navigation(zero_rate=False),
-        "eq. 24 printed": navigation(dynamics="printed"),
-        "eq. 24 printed, no zero-rate": navigation(dynamics="printed", zero_rate=False),
+        "eq. 24 printed": navigation(form="printed"),
+        "eq. 24 printed, no zero-rate": navigation(form="printed", zero_rate=False),
         "eq. 24 printed, no zero-rate, no gyro mean": navigation(
-            dynamics="printed", zero_rate=False, initial_gyr_mean=False
+            form="printed", zero_rate=False, initial_gyr_mean=False
         ),
         "eq. 24 corrected, no zero-rate, no gyro mean": navigation(
             zero_rate=False, initial_gyr_mean=False

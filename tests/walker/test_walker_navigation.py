@@ -1,6 +1,8 @@
 """Walker: strapdown, error-state filter and smoother against what must be true of them."""
 
+import copy
 import os
+import pickle
 import subprocess
 import sys
 
@@ -16,14 +18,18 @@ from mobility_imu.reproduction.walker.studies import DATASHEET
 from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.runs import runs_of
 from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
-from mobility_imu.walker import recursion
+from mobility_imu.walker import navigation
+from mobility_imu.walker.eskf import stride_ends
 from mobility_imu.walker.geometry import rotation_world_to_imu
 from mobility_imu.walker.navigation import (
+    GRAVITY_MPS2,
+    ClosedLoop,
     NavigationSettings,
     NavigationState,
     error_dynamics,
     imu_output,
     integrate_strapdown,
+    interval_means,
     navigate,
     run_filter,
     state_error,
@@ -95,7 +101,7 @@ def test_eq22_error_is_half_the_rotation_vector(seed):
     assert np.allclose(aligned(disturbed(state, error), state), error, atol=1e-9)
 
 
-def numeric_transition(state, acc, gyr, dt, dynamics="corrected"):
+def numeric_transition(state, acc, gyr, dt):
     after, _ = step_transition(state, acc, gyr, dt)
     columns = []
     for k in range(15):
@@ -125,12 +131,12 @@ def test_eq24_is_the_rate_of_the_transition():
     acc, gyr = rng.normal(size=3) * 10, rng.normal(size=3)
     rate, force = gyr - state.gyr_bias_radps, acc - state.acc_bias_mps2
     for form in ("corrected", "printed"):
-        _, phi = step_transition(state, acc, gyr, 1e-6, dynamics=form)
-        a = error_dynamics(state.quaternion, rate, force, dynamics=form)
+        _, phi = step_transition(state, acc, gyr, 1e-6, form=form)
+        a = error_dynamics(state.quaternion, rate, force, form=form)
         assert np.allclose((phi - np.eye(15)) / 1e-6, a, atol=1e-3)
     numeric = (numeric_transition(state, acc, gyr, 1e-4) - np.eye(15)) / 1e-4
     right = error_dynamics(state.quaternion, rate, force)
-    wrong = error_dynamics(state.quaternion, rate, force, dynamics="printed")
+    wrong = error_dynamics(state.quaternion, rate, force, form="printed")
     assert np.abs(numeric - right).max() < 0.01
     assert np.allclose(wrong[0:3, 3:6], -right[0:3, 3:6]) and not wrong[9:12, 12:15].any()
     assert np.abs((numeric - wrong)[0:3, 3:6]).max() > 0.9
@@ -149,14 +155,14 @@ def wobbling(seconds, seed=1, noise=True):
     if noise:
         acc = acc + 0.012 * rng.standard_normal(acc.shape) + [0.01, -0.02, 0.015]
         gyr = gyr + 0.0012 * rng.standard_normal(gyr.shape) + [0.003, -0.002, 0.001]
-    return time, acc, gyr, (phase > 0.1) & (phase < 1.9)
+    return time, acc, gyr, phase < 1.9
 
 
-def textbook(time, acc, gyr, still, start, covariance, chosen):
+def textbook(time, acc, gyr, still, start, covariance, chosen, closed=None):
     """The same filter with dense matrices and a Rauch-Tung-Striebel smoother, in plain NumPy."""
     g2 = (chosen.gyr_noise_radps_sqrthz * chosen.gyr_noise_factor) ** 2
     a2 = (chosen.acc_noise_mps2_sqrthz * chosen.acc_noise_factor) ** 2
-    s2 = chosen.rate_noise**2
+    s2 = chosen.rate_noise_radps_sqrthz**2
     state, p = start, covariance
     up = rotation_world_to_imu(start.quaternion)[:, 2]
     priors, posts, phis, shifts, states = [], [p], [], [], [start]
@@ -168,19 +174,23 @@ def textbook(time, acc, gyr, still, start, covariance, chosen):
         phi[:, 3:6] = eye[:, 3:6] + share * (phi - eye)[:, 3:6]
         q = np.zeros((15, 15))
         q[0:3, 0:3] = g2 * share / 4 * DT * np.eye(3)
-        q[3:6, 3:6] = chosen.gyr_bias_walk**2 * DT * np.eye(3)
+        q[3:6, 3:6] = chosen.gyr_bias_walk_radps_sqrts**2 * DT * np.eye(3)
         q[6:9, 6:9], q[9:12, 9:12] = a2 * DT**3 / 4 * np.eye(3), a2 * DT * np.eye(3)
         q[6:9, 9:12] = q[9:12, 6:9] = a2 * DT**2 / 2 * np.eye(3)
-        q[12:15, 12:15] = chosen.acc_bias_walk**2 * DT * np.eye(3)
+        q[12:15, 12:15] = chosen.acc_bias_walk_mps2_sqrts**2 * DT * np.eye(3)
         p = phi @ p @ phi.T + q
         priors.append(p)
         shift = np.zeros(15)
         if still[k]:
-            rows, z, r = [9, 10, 11], list(-moved.velocity_mps), [chosen.velocity_noise**2 / DT] * 3
+            rows, z, r = (
+                [9, 10, 11],
+                list(-moved.velocity_mps),
+                [chosen.velocity_noise_mps_sqrthz**2 / DT] * 3,
+            )
             if rotation_world_to_imu(moved.quaternion)[:, 2] @ up > np.cos(chosen.upright_rad):
                 rows.append(8)
                 z.append(-moved.position_m[2])
-                r.append(chosen.height_noise**2 / DT)
+                r.append(chosen.height_noise_m_sqrthz**2 / DT)
             if chosen.zero_rate:
                 rows += [3, 4, 5]
                 z += list(gyr[k] - moved.gyr_bias_radps)
@@ -197,13 +207,35 @@ def textbook(time, acc, gyr, still, start, covariance, chosen):
         posts.append(p)
         states.append(state)
     error, spread = np.zeros(15), posts[-1]
-    smoothed = [(states[-1], spread)]
+    if closed is not None:
+        error, spread = known_end(states[0], states[-1], posts[-1], closed)
+    smoothed = [(disturbed(states[-1], error), spread)]
     for k in range(len(time) - 1, -1, -1):
         gain = np.linalg.solve(priors[k].T, (posts[k] @ phis[k].T).T).T
         error = gain @ (shifts[k] + error)
         spread = posts[k] + gain @ (spread - priors[k]) @ gain.T
         smoothed.append((disturbed(states[k], error), spread))
     return states, posts, smoothed[::-1]
+
+
+def heading_against(first, state):
+    """Turn about the world's z axis since a first state, rad."""
+    turn = rotation_world_to_imu(state.quaternion).T @ rotation_world_to_imu(first.quaternion)
+    return Rotation.from_matrix(turn).as_rotvec()[2]
+
+
+def known_end(first, last, p, closed):
+    """Error and covariance after the known end; the observation's matrix by finite differences."""
+
+    def end(state):
+        return np.array([*(state.position_m - first.position_m)[:2], heading_against(first, state)])
+
+    small = 1e-6 * np.eye(15)
+    h = np.array([(end(disturbed(last, e)) - end(disturbed(last, -e))) / 2e-6 for e in small]).T
+    r = np.diag([closed.position_sd_m] * 2 + [closed.heading_sd_rad]) ** 2
+    gain = np.linalg.solve(h @ p @ h.T + r, h @ p).T
+    left = np.eye(15) - gain @ h
+    return -gain @ end(last), left @ p @ left.T + gain @ r @ gain.T
 
 
 def at_samples(states, name):
@@ -232,6 +264,92 @@ def test_compiled_filter_and_smoother_equal_the_textbook(zero_rate):
             assert np.allclose(getattr(ours, name), at_samples(expected, name), atol=1e-8), name
         variance = np.array([np.diag(c) for c in spread])
         assert np.allclose(ours.sd**2, (variance[1:] + variance[:-1]) / 2, rtol=1e-6, atol=1e-16)
+
+
+def test_known_end_of_the_smoother_equals_the_textbook():
+    """Place and heading of the end are drawn to the start's, as one more observation would.
+
+    The gyroscope's bias turns the heading, and a wrong sign or weight of the constraint would turn
+    it on. The textbook has the observation's matrix from finite differences; what differs is of
+    second order in the errors, far below 1 % of them.
+    """
+    time, acc, gyr, still = wobbling(12)
+    chosen = NavigationSettings(zero_rate=False, moving_stride=1, resting_stride=1)
+    start, p = NavigationState(
+        Rotation.random(random_state=1).as_quat(scalar_first=True), *np.zeros((4, 3))
+    ), np.diag(np.repeat([1e-3, 2e-3, 1e-3, 1e-3, 3e-2], 3)) ** 2  # fmt: skip
+    closed = ClosedLoop(position_sd_m=0.002, heading_sd_rad=0.001)
+    free, _, _ = textbook(time, acc, gyr, still, start, p, chosen)
+    _, _, smoothed = textbook(time, acc, gyr, still, start, p, chosen, closed)
+    ours = run_filter(time, acc, gyr, still, start, p, chosen, closed_loop=closed)
+    drift = heading_against(free[0], free[-1])
+    assert abs(drift) > 0.01
+    assert abs(heading_against(ours.state(0), ours.state(-1))) < 0.1 * abs(drift)
+    moved = np.abs(at_samples(free, "position_m") - ours.position_m).max()
+    apart = np.abs(at_samples([s for s, _ in smoothed], "position_m") - ours.position_m).max()
+    assert apart < 0.01 * moved
+    variance = np.array([np.diag(c) for _, c in smoothed])
+    # A heading known 20 times better than before shows the second order most: 20 % in variance.
+    assert np.allclose(ours.sd**2, (variance[1:] + variance[:-1]) / 2, rtol=0.2, atol=1e-16)
+
+
+VARIANTS = {
+    "default strides": ({}, {}),
+    "one sample a stride": ({"moving_stride": 1, "resting_stride": 1}, {}),
+    "no zero rates": ({"zero_rate": False}, {}),
+    "printed": ({"form": "printed"}, {}),
+    "filter alone": ({}, {"smooth": False}),
+    "closed loop": ({}, {"closed_loop": ClosedLoop()}),
+}
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_readable_filter_equals_the_compiled_one(walked, variant, monkeypatch):
+    """Same strides, same updates: to 1e-9 in every state, on a walk with a gap and saturation."""
+    chosen, options = VARIANTS[variant]
+    time, acc, gyr, still = (values[:4000] for values in walked)
+    kept = np.r_[0:1500, 1530:4000]
+    time, acc, gyr, still = time[kept], acc[kept], gyr[kept], still[kept]
+    cut = np.zeros(len(time), bool)
+    cut[[700, 1800, 2500]] = True
+    found = []
+    for way in ("plain", "compiled"):
+        monkeypatch.setattr(navigation, "choose", lambda *_, way=way, **__: way)
+        found.append(
+            navigate(time, acc, gyr, still, NavigationSettings(**chosen), cut=cut, **options)
+        )
+    readable, compiled = found
+    for name in ("quaternion", "position_m", "velocity_mps", "gyr_bias_radps", "acc_bias_mps2"):
+        apart = np.abs(getattr(readable, name) - getattr(compiled, name)).max()
+        assert apart < 1e-9, (name, apart)
+    assert np.allclose(readable.sd, compiled.sd, rtol=1e-6, atol=1e-9)
+    assert (readable.nis_dof == compiled.nis_dof).all()
+    assert np.allclose(readable.nis, compiled.nis, rtol=1e-6, atol=1e-8)
+    paths = []
+    for way in ("plain", "compiled"):
+        monkeypatch.setattr(navigation, "choose", lambda *_, way=way, **__: way)
+        paths.append(integrate_strapdown(time, acc, gyr, readable.state(0), still=still))
+    assert np.allclose(paths[0].position_m, paths[1].position_m, rtol=1e-12, atol=1e-9)
+
+
+def test_first_path_in_a_fresh_environment_waits_for_no_compiler(tmp_path):
+    """Two minutes of walking with nothing compiled: within 5 s, and nothing is compiled after."""
+    code = """
+import time
+import numpy as np
+from mobility_imu._compiled import HAVE_NUMBA
+from mobility_imu.walker import _kernel
+from mobility_imu.walker.navigation import navigate
+n = 12_000
+clock = np.arange(n) / 100
+acc = np.tile([0.0, 0.0, 9.80665], (n, 1)) + 0.01 * np.random.default_rng(0).normal(size=(n, 3))
+before = time.process_time()
+navigate(clock, acc, np.zeros((n, 3)), clock % 3 < 1.5)
+assert time.process_time() - before < 5
+assert not HAVE_NUMBA or not _kernel.run_filter.overloads
+"""
+    env = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "MOBILITY_IMU_COMPILE": ""}
+    subprocess.run([sys.executable, "-c", code], check=True, env=env)
 
 
 @pytest.fixture(scope="module")
@@ -289,46 +407,41 @@ def test_strides_break_where_rest_begins_and_ends_and_around_what_stands_alone()
     still[7:19] = True
     cut = np.zeros(30, bool)
     cut[24] = True
-    ends = recursion.stride_ends(still, cut, 4, 4)
+    ends = stride_ends(still, cut, 4, 4)
     # 0-6 moving; 7-18 at rest, singly within 4 of its ends; 19-23 moving; 24 cut; 25-29 moving
     assert ends.tolist() == [4, 7, 8, 9, 10, 11, 15, 16, 17, 18, 19, 23, 24, 25, 29, 30]
-    assert recursion.stride_ends(still, cut, 1, 1).tolist() == list(range(1, 31))
+    assert stride_ends(still, cut, 1, 1).tolist() == list(range(1, 31))
     # Each setting is heeded without the other; rests are strided also if movements are not.
-    ends = recursion.stride_ends(still, cut, 1, 4)
+    ends = stride_ends(still, cut, 1, 4)
     assert ends.tolist() == [k for k in range(1, 31) if k not in (12, 13, 14)]
-    ends = recursion.stride_ends(still, cut, 4, 1)
+    ends = stride_ends(still, cut, 4, 1)
     assert ends.tolist() == [4, 7, *range(8, 20), 23, 24, 25, 29, 30]
-    with pytest.raises(InputError, match="resting_stride = 0: expected a whole number from 1"):
+    with pytest.raises(
+        InputError, match="resting_stride = 0: expected a whole number of 1 or more"
+    ):
         NavigationSettings(resting_stride=0)
 
 
-def test_same_without_compiling():
-    """The functions give the same when Python runs them as they stand."""
+def test_same_without_compiling(tmp_path):
+    """The compiled functions give the same when Python runs them as they stand."""
     code = """
-import sys; sys.path.insert(0, "tests")
+import sys
 import numpy as np
-from test_walker_navigation import wobbling
 from mobility_imu.walker.navigation import navigate
-n = navigate(*wobbling(3.0))
-np.save(sys.argv[1], np.column_stack([n.quaternion, n.position_m, n.sd]))
+given = np.load(sys.argv[1])
+n = navigate(*(given[name] for name in ("time", "acc", "gyr", "still")))
+np.save(sys.argv[2], np.column_stack([n.quaternion, n.position_m, n.sd]))
 """
-    import tempfile
-    from pathlib import Path
-
-    root = Path(__file__).resolve().parents[1]
+    given = tmp_path / "given.npz"
+    np.savez(given, **dict(zip(("time", "acc", "gyr", "still"), wobbling(3.0), strict=True)))
     found = []
-    with tempfile.TemporaryDirectory() as folder:
-        for off in ("0", "1"):
-            path = Path(folder) / f"{off}.npy"
-            subprocess.run(
-                [sys.executable, "-c", code, str(path)],
-                check=True,
-                cwd=root,
-                env={**os.environ, "NUMBA_DISABLE_JIT": off},
-            )
-            found.append(np.load(path))
+    for off in ("0", "1"):
+        path = tmp_path / f"{off}.npy"
+        env = {**os.environ, "NUMBA_DISABLE_JIT": off, "MOBILITY_IMU_COMPILE": "always"}
+        subprocess.run([sys.executable, "-c", code, str(given), str(path)], check=True, env=env)
+        found.append(np.load(path))
     # Rounding alone: the compiler may fuse a product and a sum.
-    assert np.allclose(found[0], found[1], rtol=1e-9, atol=1e-12)
+    assert np.allclose(found[0], found[1], rtol=1e-9, atol=1e-10)
 
 
 def test_ideal_readings_of_a_turn_and_a_shift_are_integrated_exactly():
@@ -385,7 +498,7 @@ def consistent_run(seed, chosen):
     readings, truth, seen = [], [true], np.zeros((count, 4))
     for k in range(count):
         # A frame that stands moves by what the settings say: a rate of that noise, and no force.
-        sway = chosen.rate_noise / np.sqrt(DT) * rng.standard_normal(3)
+        sway = chosen.rate_noise_radps_sqrthz / np.sqrt(DT) * rng.standard_normal(3)
         rate = sway if still[k] and chosen.zero_rate else gyr[k]
         force = acc[k]
         clean = true._replace(gyr_bias_radps=np.zeros(3), acc_bias_mps2=np.zeros(3))
@@ -400,18 +513,18 @@ def consistent_run(seed, chosen):
         )
         walk = np.sqrt(DT) * rng.standard_normal(6)
         true = after._replace(
-            gyr_bias_radps=true.gyr_bias_radps + chosen.gyr_bias_walk * walk[:3],
-            acc_bias_mps2=true.acc_bias_mps2 + chosen.acc_bias_walk * walk[3:],
+            gyr_bias_radps=true.gyr_bias_radps + chosen.gyr_bias_walk_radps_sqrts * walk[:3],
+            acc_bias_mps2=true.acc_bias_mps2 + chosen.acc_bias_walk_mps2_sqrts * walk[3:],
         )
         truth.append(true)
     # What is observed is said of a stride's end; its mean has the noise of the stride.
     none = np.zeros(count, bool)
-    ends = recursion.stride_ends(still, none, chosen.moving_stride, chosen.resting_stride)
+    ends = stride_ends(still, none, chosen.moving_stride, chosen.resting_stride)
     for begin, end in zip([0, *ends[:-1]], ends, strict=True):
         seen[begin:end, :3] = truth[end].velocity_mps
         seen[begin:end, 3] = truth[end].position_m[2]
     noise = rng.standard_normal((count, 4)) / np.sqrt(DT)
-    seen += noise * [*[chosen.velocity_noise] * 3, chosen.height_noise]
+    seen += noise * [*[chosen.velocity_noise_mps_sqrthz] * 3, chosen.height_noise_m_sqrthz]
     values = np.array(readings)
     found = [
         run_filter(
@@ -446,7 +559,7 @@ def test_filter_is_consistent_at_stated_noise(zero_rate, strides):
     for seed in range(runs):
         forward, both, truth = consistent_run(seed, chosen)
         for found, at, errors in ((forward, 2399, filtered), (both, 1150, smoothed)):
-            estimate = NavigationState(*(values[at] for values in found[1:6]))
+            estimate = found.state(at)
             pairs = zip(truth[at], truth[at + 1], strict=True)
             true = NavigationState(*((a + b) / 2 for a, b in pairs))
             errors.append(aligned(true, estimate) / found.sd[at])
@@ -460,7 +573,7 @@ def test_filter_is_consistent_at_stated_noise(zero_rate, strides):
         assert ((low < squares) & (squares < high)).all(), (squares, low, high)
 
 
-def test_smoothing_never_adds_doubt_over_a_long_walk():
+def test_smoothing_never_adds_uncertainty_over_a_long_walk():
     """Over five minutes the smoothed standard deviations stay below the filter's.
 
     The expanded form of the adjoint's covariance lets an unsymmetric part grow unless it is
@@ -484,27 +597,175 @@ acc = np.tile([0.0, 0.0, 9.80665], (n, 1)) + 0.01 * rng.standard_normal((n, 3))
 gyr = 0.001 * rng.standard_normal((n, 3))
 found = navigate(time, acc, gyr, time % 3 < 1.5)
 assert np.isfinite(found.position_m).all()
-# Not getrusage: its peak is that of the process that started this one, if that was larger.
+# The peak of the process that started this one counts too, if that was larger: hence the file.
 print(int(re.search(r"VmHWM:\\s+(\\d+)", open("/proc/self/status").read())[1]) / 1e6)
 """
     out = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert float(out.stdout) < 1.0
 
 
+def test_attitude_before_the_first_rest_is_not_invented():
+    """A sensor that lies level, is tipped, and rests: no later rest tells its first attitude."""
+    time, acc, gyr, _ = wobbling(4, noise=False)
+    still = (time > 2.5) & (time < 3.5)
+    with pytest.raises(InputError, match=r"not still at the first sample.*begins at sample 251"):
+        navigate(time, acc, gyr, still)
+
+
 def test_refuses_what_cannot_be_navigated():
     time, acc, gyr, still = wobbling(3)
-    with pytest.raises(InputError, match="not still within the first 5 s"):
+    with pytest.raises(InputError, match="not still at the first sample"):
         navigate(time, acc, gyr, np.zeros(len(time), bool))
-    broken = acc.copy()
-    broken[7, 1] = np.nan
-    with pytest.raises(InputError, match="acc_mps2: not a finite number at row 7"):
-        navigate(time, broken, gyr, still)
-    with pytest.raises(InputError, match="increase"):
+    with pytest.raises(InputError, match="runs backwards"):
         navigate(time[::-1], acc, gyr, still)
-    with pytest.raises(InputError, match=r"expected \(n,\), \(n, 3\)"):
+    with pytest.raises(InputError, match=r"acc_mps2: expected shape \(300, 3\)"):
         navigate(time, acc[:-1], gyr, still)
-    start, p = random_state(1)[0], np.eye(15)
-    with pytest.raises(InputError, match=r"observed \(1, 4\): expected \(300,\) and \(300, 4\)"):
-        run_filter(time, acc, gyr, still, start, p, NavigationSettings(), observed=np.zeros((1, 4)))
-    with pytest.raises(InputError, match="dynamics = 'other'"):
-        NavigationSettings(dynamics="other")
+    with pytest.raises(InputError, match="closed_loop with smooth = False"):
+        navigate(time, acc, gyr, still, smooth=False, closed_loop=ClosedLoop())
+    with pytest.raises(InputError, match="acc_mps2: zero in the first rest"):
+        navigate(time, np.zeros_like(acc), gyr, still)
+    huge = acc.copy()
+    huge[250] = 1e300
+    with pytest.raises(InputError, match="the path has no finite end"), np.errstate(all="ignore"):
+        navigate(time, huge, gyr, still)
+
+
+START = NavigationState(np.array([1.0, 0.0, 0.0, 0.0]), *np.zeros((4, 3)))
+
+
+def entries(time, acc, gyr, still):
+    """Each public entry that may reach a compiled loop, with what it is given."""
+    p = 1e-4 * np.eye(15)
+    return {
+        "interval_means": lambda: interval_means(acc, gyr, DT),
+        "integrate_strapdown": lambda: integrate_strapdown(time, acc, gyr, START, still=still),
+        "navigate": lambda: navigate(time, acc, gyr, still),
+        "run_filter": lambda: run_filter(time, acc, gyr, still, START, p, NavigationSettings()),
+    }
+
+
+@pytest.mark.parametrize("entry", entries(*[None] * 4))
+@pytest.mark.parametrize("what", ["acc", "gyr", "longer gyr", "still", "NaN", "inf", "text", "1-D"])
+def test_entries_of_compiled_loops_refuse_arrays_that_do_not_fit(entry, what):
+    """Unequal lengths would be written beyond their ends; one message for each instead."""
+    time, acc, gyr, still = wobbling(6)
+    given = {"time": time, "acc": acc, "gyr": gyr, "still": still}
+    if what in ("acc", "gyr", "still"):
+        given[what] = given[what][:10]
+    elif what == "longer gyr":
+        given["gyr"] = np.vstack([gyr, gyr])
+    elif what in ("NaN", "inf"):
+        given["acc"] = acc.copy()
+        given["acc"][7, 1] = float(what)
+    elif what == "text":
+        given["gyr"] = [["a", "b", "c"]] * len(time)
+    else:
+        given["acc"], given["gyr"] = acc[0], gyr[0]
+    free = entry == "interval_means" and what in ("still", "NaN", "inf")
+    if free:  # it knows no flags; a reading that is no number spoils its neighbours alone
+        means = entries(**given)[entry]()
+        assert np.isfinite(means[0]).all(axis=1).sum() >= len(time) - 3
+    else:
+        with pytest.raises(InputError):
+            entries(**given)[entry]()
+
+
+@pytest.mark.parametrize("entry", entries(*[None] * 4))
+def test_entries_of_compiled_loops_take_every_kind_of_array(entry):
+    """Lists, other types, read-only and strided arrays give what plain arrays give."""
+    time, acc, gyr, still = wobbling(3)
+    acc32, gyr32 = acc.astype(np.float32), gyr.astype(np.float32)
+    given = time, acc32.astype(float), gyr32.astype(float), still
+    expected = entries(*given)[entry]()
+    frozen = [values.copy() for values in given]
+    for values in frozen:
+        values.setflags(write=False)
+    strided = [np.repeat(values, 2, axis=0)[::2] for values in given]
+    fortran = [np.asfortranarray(values) for values in given]
+    for other in (
+        (time, acc32, gyr32, still.astype(np.int8)),
+        [values.tolist() for values in given],
+        frozen,
+        strided,
+        fortran,
+    ):
+        found = entries(*other)[entry]()
+        if entry == "interval_means":
+            pairs = list(zip(found, expected, strict=True))
+        else:
+            pairs = [(found.position_m, expected.position_m), (found.sd, expected.sd)]
+        assert all(np.array_equal(a, b, equal_nan=True) for a, b in pairs)
+    for values, plain in zip(given, wobbling(3), strict=True):
+        assert values.shape == plain.shape  # and what was given is as it was
+    assert np.array_equal(given[1], acc32.astype(float))
+
+
+@pytest.mark.parametrize(
+    "covariance", [np.eye(6), np.full((15, 15), np.nan), -np.eye(15), np.triu(np.ones((15, 15)))]
+)
+def test_covariances_that_are_none_are_refused(covariance):
+    time, acc, gyr, still = wobbling(3)
+    with pytest.raises(InputError, match="covariance"):
+        run_filter(time, acc, gyr, still, START, covariance, NavigationSettings())
+
+
+def test_other_arguments_that_do_not_fit_are_refused():
+    time, acc, gyr, still = wobbling(3)
+    chosen, p = NavigationSettings(), np.eye(15)
+    with pytest.raises(InputError, match=r"observed \(1, 4\): expected \(300, 4\)"):
+        run_filter(time, acc, gyr, still, START, p, chosen, observed=np.zeros((1, 4)))
+    with pytest.raises(InputError, match=r"cut: expected shape \(300,\)"):
+        run_filter(time, acc, gyr, still, START, p, chosen, cut=np.zeros(3, bool))
+    with pytest.raises(InputError, match=r"start\.quaternion"):
+        run_filter(time, acc, gyr, still, START._replace(quaternion=np.zeros(4)), p, chosen)
+    with pytest.raises(InputError, match="position_m"):
+        run_filter(time, acc, gyr, still, START._replace(position_m=np.zeros(2)), p, chosen)
+    with pytest.raises(InputError, match=r"dt_s = -0\.01: expected a positive number"):
+        interval_means(acc, gyr, -DT)
+    for call in (
+        lambda: step_transition(START, acc[0], gyr[0], DT, form="prnted"),
+        lambda: error_dynamics(START.quaternion, gyr[0], acc[0], form="prnted"),
+        lambda: NavigationSettings(form="prnted"),
+    ):
+        with pytest.raises(InputError, match="form = 'prnted': expected 'corrected' or 'printed'"):
+            call()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("gyr_noise_factor", True), ("acc_bias_walk_mps2_sqrts", -1), ("upright_rad", np.nan),
+        ("velocity_noise_mps_sqrthz", "0.1"), ("zero_rate", "no"), ("initial_gyr_mean", 1),
+        ("moving_stride", 0), ("resting_stride", 2.0), ("resting_stride", True),
+    ],
+)  # fmt: skip
+def test_settings_that_are_impossible_are_refused(name, value):
+    with pytest.raises(InputError, match=f"NavigationSettings.{name} = "):
+        NavigationSettings(**{name: value})
+    with pytest.raises(InputError, match=r"ClosedLoop.heading_sd_rad = 0"):
+        ClosedLoop(heading_sd_rad=0)
+
+
+def test_settings_take_numbers_of_numpy():
+    chosen = NavigationSettings(gyr_noise_factor=np.float32(0.25), moving_stride=np.int64(8))
+    assert chosen.gyr_noise_factor == 0.25 and chosen.moving_stride == 8
+
+
+def test_navigation_is_a_result():
+    """It is pickled and copied, cannot be changed, prints in one line and becomes a table."""
+    chosen = NavigationSettings(zero_rate=False)
+    path = navigate(*wobbling(3), chosen)
+    for other in (pickle.loads(pickle.dumps(path)), copy.deepcopy(path)):
+        assert np.array_equal(other.position_m, path.position_m) and other.settings == chosen
+        assert not other.position_m.flags.writeable
+    with pytest.raises(ValueError, match="read-only"):
+        path.sd[0, 0] = 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        GRAVITY_MPS2[2] = -9.8
+    assert path != navigate(*wobbling(3), chosen) and path.warnings == ()
+    assert "\n" not in repr(path) and "position_m[300 x 3]" in repr(path)
+    table = path.to_frame()
+    assert np.array_equal(table[["x_m", "y_m", "z_m"]], path.position_m)
+    assert np.array_equal(table[["qw", "qx", "qy", "qz"]], path.quaternion)
+    assert np.array_equal(table["velocity_z_sd_mps"], path.sd[:, 11])
+    assert np.array_equal(path.state(-1).velocity_mps, path.velocity_mps[-1])
