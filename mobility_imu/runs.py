@@ -1,24 +1,65 @@
-"""Runs of samples: where flags are set, and where codes stay the same."""
+"""Runs of samples where flags are set."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.frames import as_flags
+
 
 def runs_of(flags: ArrayLike) -> list[slice]:
-    """Give the runs of samples where a flag is set."""
-    edge = np.diff(np.r_[0, np.asarray(flags, np.int8), 0])
-    starts, stops = np.nonzero(edge == 1)[0], np.nonzero(edge == -1)[0]
+    """Runs of samples where a flag is set.
+
+    Parameters
+    ----------
+    flags : (n,) array of truth values, or of 0 and 1
+
+    Returns
+    -------
+    list of slice, in the order of time
+
+    Examples
+    --------
+    >>> runs_of([0, 1, 1, 0, 1])
+    [slice(1, 3, None), slice(4, 5, None)]
+    """
+    starts, stops = _edges(_flags(flags))
     return [slice(int(a), int(b)) for a, b in zip(starts, stops, strict=True)]
 
 
-def long_runs(flags: NDArray[np.bool_], shortest: int, *, grow: bool) -> NDArray[np.bool_]:
-    """Keep only runs of at least ``shortest`` flags; ``grow`` adds the sample before each."""
-    edge = np.diff(np.r_[0, flags.astype(np.int8), 0])
-    starts, stops = np.nonzero(edge == 1)[0], np.nonzero(edge == -1)[0]
+def long_runs(flags: ArrayLike, shortest: int, *, grow: bool) -> NDArray[np.bool_]:
+    """Flags of which only the runs of some length are kept.
+
+    Parameters
+    ----------
+    flags : (n,) array of truth values, or of 0 and 1
+    shortest : samples in the shortest run that is kept
+    grow : whether the sample before each run is added to it
+
+    Returns
+    -------
+    (n,) bool array
+
+    Examples
+    --------
+    >>> long_runs([0, 1, 1, 0, 1], 2, grow=True).tolist()
+    [True, True, True, False, False]
+    """
+    flags = _flags(flags)
+    starts, stops = _edges(flags)
     long = stops - starts >= shortest
     out = np.zeros(len(flags) + 1, int)
-    np.add.at(out, starts[long] - grow, 1)
+    np.add.at(out, np.maximum(starts[long] - grow, 0), 1)
     np.add.at(out, stops[long], -1)
     return np.cumsum(out[:-1]) > 0
+
+
+def _flags(flags: ArrayLike) -> NDArray[np.bool_]:
+    return as_flags(flags, "flags", length=np.size(flags))
+
+
+def _edges(flags: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Where runs start, and where they stop."""
+    edge = np.diff(np.r_[0, flags.astype(np.int8), 0])
+    return np.nonzero(edge == 1)[0], np.nonzero(edge == -1)[0]

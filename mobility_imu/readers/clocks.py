@@ -9,10 +9,8 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import GAP_FACTOR, FloatArray
-from mobility_imu.recording import Imu
+from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu
 
-LOWEST_RATE_HZ, HIGHEST_RATE_HZ = 1.0, 1e5
-"""Between these lies the sampling rate of any IMU."""
 LONGEST_FILL_S = 60.0
 """A straight line over a longer gap says nothing of the motion."""
 FEWEST_TO_FILL = 1000
@@ -35,7 +33,8 @@ def check_rate(sampling_rate_hz: float, source: str, *, clock: bool = False) -> 
     Raises
     ------
     InputError
-        If it is not between :data:`LOWEST_RATE_HZ` and :data:`HIGHEST_RATE_HZ`.
+        If it is not one that :data:`~mobility_imu.recording.LOWEST_RATE_HZ` and
+        :data:`~mobility_imu.recording.HIGHEST_RATE_HZ` enclose.
     """
     if not LOWEST_RATE_HZ <= sampling_rate_hz <= HIGHEST_RATE_HZ:
         hint = "; are the times in s?" if clock else ""
