@@ -20,6 +20,8 @@ LOWEST_RATE_HZ, HIGHEST_RATE_HZ = 1.0, 1e5
 """Between these lies the sampling rate of any IMU."""
 # 2000 deg/s is the widest range of the usual IMUs; a unit error (deg/s) overshoots it at once.
 LARGEST_RATE_RADPS = 40.0
+# 400 g, the widest range of the sensors for impacts. Larger numbers are no readings at all.
+LARGEST_ACC_MPS2 = 4000.0
 # Median length of the specific force. A wheel adds a centripetal part, so the upper end is loose.
 PLAUSIBLE_ACC_MPS2 = (6.0, 60.0)
 
@@ -275,6 +277,13 @@ def _check_units(name: str, imu: Imu, source: str) -> None:
         raise InputError(
             f"{source}: {name}_acc has a median length of {acc:.4g}, expected about 9.81 m/s²: "
             f"{guess}"
+        )
+    largest = np.abs(imu.acc_mps2).max(axis=1)
+    if largest.max() > LARGEST_ACC_MPS2:
+        k = int(np.argmax(largest))
+        raise InputError(
+            f"{source}: {name}_acc reaches {largest[k]:.4g} m/s² at sample {k}, more than any such "
+            f"sensor measures ({LARGEST_ACC_MPS2:g})"
         )
     if imu.gyr_radps is not None:
         fastest = float(np.abs(imu.gyr_radps).max())
