@@ -1,10 +1,11 @@
-"""Runs of samples where flags are set."""
+"""Runs of samples: where flags are set, and where codes stay the same."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.errors import InputError
 from mobility_imu.frames import as_flags
 
 
@@ -53,6 +54,30 @@ def long_runs(flags: ArrayLike, shortest: int, *, grow: bool) -> NDArray[np.bool
     np.add.at(out, np.maximum(starts[long] - grow, 0), 1)
     np.add.at(out, stops[long], -1)
     return np.cumsum(out[:-1]) > 0
+
+
+def changes_of(codes: ArrayLike) -> NDArray[np.intp]:
+    """First sample of each run of equal codes.
+
+    Parameters
+    ----------
+    codes : (n,) array
+
+    Returns
+    -------
+    (k,) array of int; empty for no samples
+
+    Examples
+    --------
+    >>> changes_of([1, 1, 2, 2, 1]).tolist()
+    [0, 2, 4]
+    """
+    values = np.asarray(codes)
+    if values.ndim != 1:
+        raise InputError(f"codes: expected one code per sample, got shape {values.shape}")
+    if not len(values):
+        return np.zeros(0, np.intp)
+    return np.concatenate([[0], np.nonzero(values[1:] != values[:-1])[0] + 1])
 
 
 def _flags(flags: ArrayLike) -> NDArray[np.bool_]:

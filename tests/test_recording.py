@@ -192,6 +192,14 @@ def test_other_units_are_guessed(factor, says):
         recording(frame=Imu(factor * STILL))
 
 
+@pytest.mark.parametrize("value", [4001, -1e5, 1e30, 1.7e308])
+def test_readings_that_no_sensor_gives_are_named(value):
+    broken = STILL.copy()
+    broken[7, 1] = value
+    with pytest.raises(InputError, match=r"walk\.csv: frame_acc reaches .* at sample 7, more than"):
+        recording(frame=Imu(broken))
+
+
 def test_rates_in_degrees_are_guessed():
     with pytest.raises(InputError, match="looks like deg/s"):
         recording(frame=Imu(STILL, np.full_like(STILL, 90.0)))

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mobility_imu.errors import InputError
-from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.runs import changes_of, long_runs, runs_of
 
 
 @given(st.lists(st.booleans(), max_size=40))
@@ -43,3 +43,20 @@ def test_what_is_no_flag(flags):
     for look in (runs_of, lambda f: long_runs(f, 1, grow=False)):
         with pytest.raises(InputError, match="flags: expected"):
             look(flags)
+
+
+@given(st.lists(st.integers(0, 2), max_size=40))
+def test_codes_stay_the_same_from_change_to_change(codes):
+    starts = [*changes_of(codes), len(codes)]
+    for start, stop in pairwise(starts):
+        assert len(set(codes[start:stop])) == 1
+        assert start == 0 or codes[start - 1] != codes[start]
+    assert starts[0] == 0
+
+
+def test_codes_of_any_kind():
+    assert changes_of(["a", "a", "b"]).tolist() == [0, 2]
+    assert changes_of(pd.Series([1, 1, 2], index=[9, 8, 7])).tolist() == [0, 2]
+    for bad in (1, [[1, 2]]):
+        with pytest.raises(InputError, match="codes: expected"):
+            changes_of(bad)

@@ -17,6 +17,7 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.results import Result
 
 _LINE_ENDS = re.compile(r"\r\n|\r|\n")
 _NUMBER = re.compile(
@@ -70,8 +71,8 @@ def _read_bytes(path: Path) -> bytes:
     return path.read_bytes()
 
 
-@dataclass(frozen=True, eq=False)
-class NumberTable:
+@dataclass(frozen=True, eq=False, repr=False)
+class NumberTable(Result):
     """Columns of numbers under their names.
 
     Parameters
