@@ -98,6 +98,7 @@ def execute(chosen: list[Path]) -> int:
     order = sorted(stale, key=lambda n: -seconds_of(EXECUTED / n))
     # One thread for each kernel: the kernels share the cores.
     environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
+    workers = min(os.cpu_count() or 1, len(stale)) if len(stale) > 1 else 0
     begun = time.time()
     # nbmake passes over whatever lies in a folder named _build: run elsewhere, then move.
     with tempfile.TemporaryDirectory(prefix="notebooks-") as folder:
@@ -109,7 +110,7 @@ def execute(chosen: list[Path]) -> int:
             [
                 *(sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"),
                 *("-c", os.devnull, "--rootdir", folder, "--durations=5"),
-                *("-n", str(os.cpu_count() or 1), "--dist", "worksteal"),
+                *("-n", str(workers), "--dist", "worksteal"),
                 *("--nbmake", f"--nbmake-timeout={TIMEOUT_S}", "--overwrite"),
                 *(str(room / n) for n in order),
             ],
