@@ -1,4 +1,4 @@
-"""Thin wrappers of ``scipy.ndimage`` and ``scipy.signal``."""
+"""Thin wrappers of ``scipy.ndimage`` and ``scipy.signal``, and the root mean square."""
 
 from __future__ import annotations
 
@@ -92,6 +92,34 @@ def savitzky_golay(values: ArrayLike, window: int, order: int) -> FloatArray:
     if order >= window:
         raise InputError(f"Savitzky-Golay order = {order}: expected from 0 to window - 1")
     return np.asarray(signal.savgol_filter(data, window, order, axis=0))
+
+
+def rms(values: ArrayLike) -> float:
+    """Root of the mean square; NaN is left out.
+
+    Parameters
+    ----------
+    values : array of any shape with one number or more
+
+    Returns
+    -------
+    float, in the unit of the values
+
+    Raises
+    ------
+    InputError
+        If there is no number in it.
+
+    Examples
+    --------
+    >>> rms([3.0, float("nan"), -3.0])
+    3.0
+    """
+    data = as_floats(values, "values")
+    data = data[~np.isnan(data)]
+    if not data.size:
+        raise InputError("values: expected one number or more")
+    return float(np.sqrt(np.mean(np.square(data))))
 
 
 def _checked(name: str, values: ArrayLike, window: int) -> tuple[FloatArray, int]:

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from mobility_imu.errors import InputError
-from mobility_imu.filters import median_filter, moving_average, savitzky_golay
+from mobility_imu.filters import median_filter, moving_average, rms, savitzky_golay
 
 SERIES = np.random.default_rng(4).standard_normal((50, 3))
 FILTERS = {
@@ -73,3 +73,11 @@ def test_orders_that_are_none(order):
 def test_a_misspelt_edge():
     with pytest.raises(InputError, match="edge = 'zeros': expected 'nearest' or 'zero'"):
         median_filter(SERIES, 3, edge="zeros")
+
+
+def test_root_of_the_mean_square():
+    assert rms(SERIES) == pytest.approx(np.sqrt((SERIES**2).mean()))
+    assert rms(pd.Series([np.nan, 3, -3])) == 3 and type(rms([2])) is float
+    for nothing in ([], [np.nan], "abc"):
+        with pytest.raises(InputError, match="values: expected"):
+            rms(nothing)
