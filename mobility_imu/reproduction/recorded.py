@@ -102,7 +102,16 @@ def load_record(name: str) -> dict[str, Any]:
 
 
 def numbers(name: str) -> Any:
-    """Numbers of one record; see :func:`load_record`."""
+    """Numbers of one record; see :func:`load_record`.
+
+    Parameters
+    ----------
+    name : a key of :data:`STUDIES`
+
+    Returns
+    -------
+    what the study gave, as JSON has it
+    """
     return load_record(name)["numbers"]
 
 
@@ -142,7 +151,16 @@ def write_record(name: str, executor: Any = None) -> Path | None:
 
 
 def is_stale(name: str) -> bool:
-    """Whether the code behind a record has changed since the record was made."""
+    """Whether the code behind a record has changed since the record was made.
+
+    Parameters
+    ----------
+    name : a key of :data:`STUDIES`
+
+    Returns
+    -------
+    bool
+    """
     return bool(load_record(name)["code"] != code_digest(STUDIES[name]))
 
 
@@ -204,7 +222,12 @@ def _versions() -> dict[str, str]:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Renew records from the command line."""
+    """Renew records from the command line.
+
+    Parameters
+    ----------
+    arguments : of the command; None takes those of the process
+    """
     import argparse
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
