@@ -248,7 +248,7 @@ def test_capital_letters_in_the_name_of_the_clock(tmp_path):
 # Clocks
 
 
-@pytest.mark.parametrize("rate", [0, -100, np.nan, np.inf, 1e9])
+@pytest.mark.parametrize("rate", [0, -100, np.nan, np.inf, 1e9, "100", True, [100], 10**400])
 def test_sampling_rates_that_are_none(tmp_path, rate):
     path = write(tmp_path / "r.csv", RECORDING)
     assert "sampling rate" in refused(read_recording, path, sampling_rate_hz=rate)
@@ -256,7 +256,7 @@ def test_sampling_rates_that_are_none(tmp_path, rate):
     assert "sampling rate" in refused(read_velocities, series, sampling_rate_hz=rate)
 
 
-@pytest.mark.parametrize("length", [-1, np.nan, np.inf, 61])
+@pytest.mark.parametrize("length", [-1, np.nan, np.inf, 61, "1", None, True, [1]])
 def test_gaps_that_cannot_be_filled(tmp_path, length):
     path = write(tmp_path / "r.csv", RECORDING)
     with pytest.raises(InputError, match="gaps to be filled up to"):
