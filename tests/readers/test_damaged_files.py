@@ -189,7 +189,7 @@ def test_tables_that_are_in_order(text):
 
 @pytest.mark.parametrize(
     "cell",
-    ["1_000", "٣", "0x10", "1e", "--1", "NA", "null", '"1', "1\x00", "1d3"],
+    ["1_000", "٣", "0x10", "1e", "--1", "NA", "null", '"1', "1\x00", "1d3", "1\u00a0", "\u20071"],
 )
 def test_text_that_is_no_number(cell):
     with pytest.raises(InputError, match=r"f\.csv: line 3, column b: '.*' is not a number"):
@@ -306,6 +306,12 @@ def test_update_rates_as_they_are_written(tmp_path, rate):
     prefix = export(tmp_path, rate=f"// Update Rate: {rate}\n")
     with pytest.raises(InputError, match=r"different rates \(\[60.0, 100.0\] Hz\)"):
         read_recording(prefix)
+
+
+def test_two_update_rates_in_one_file(tmp_path):
+    twice = "// Update Rate: 100.0Hz\n// Update Rate: 60.0Hz\n"
+    assert "stands twice" in refused(read_recording, export(tmp_path, rate=twice))
+    assert len(read_recording(export(tmp_path, rate="// Update Rate: 100Hz\n" * 2))) == 20
 
 
 @pytest.mark.parametrize("value", ["", "nan", "inf", "-1", "1.5", "1e300", "9" * 30])
