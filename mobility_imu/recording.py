@@ -278,11 +278,11 @@ def _check_units(name: str, imu: Imu, source: str) -> None:
             f"{source}: {name}_acc has a median length of {acc:.4g}, expected about 9.81 m/s²: "
             f"{guess}"
         )
-    largest = np.abs(imu.acc_mps2).max(axis=1)
-    if largest.max() > LARGEST_ACC_MPS2:
-        k = int(np.argmax(largest))
+    largest = max(float(imu.acc_mps2.max()), -float(imu.acc_mps2.min()))
+    if largest > LARGEST_ACC_MPS2:
+        k = int(np.argmax(np.abs(imu.acc_mps2).max(axis=1)))
         raise InputError(
-            f"{source}: {name}_acc reaches {largest[k]:.4g} m/s² at sample {k}, more than any such "
+            f"{source}: {name}_acc reaches {largest:.4g} m/s² at sample {k}, more than any such "
             f"sensor measures ({LARGEST_ACC_MPS2:g})"
         )
     if imu.gyr_radps is not None:
