@@ -10,7 +10,6 @@ changed. ``--assemble`` then lays the sources of the book beside each other in `
 from __future__ import annotations
 
 import argparse
-import ast
 import hashlib
 import json
 import os
@@ -22,13 +21,15 @@ import sys
 import tempfile
 import time
 from datetime import datetime
-from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))  # the package of this checkout, whichever one is installed
+
+from mobility_imu.reproduction import imports  # noqa: E402
+
 EXECUTED = ROOT / "_build" / "executed"
 SOURCE = ROOT / "_build" / "source"
-PACKAGE = ROOT / "mobility_imu"
 DATA = ROOT / "data"
 TIMEOUT_S = 300
 VARIABLES = ("MOBILITY_IMU_DATA",)
@@ -48,56 +49,13 @@ def code_of(notebook: Path) -> str:
     return re.sub(r"^\s*[%!].*$", "", lines, flags=re.MULTILINE)
 
 
-def imported(code: str) -> set[str]:
-    """Modules of the package that some code imports, anywhere in it."""
-    found = set()
-    for node in ast.walk(ast.parse(code)):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            found |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
-        elif isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            # Modules that are imported by their name, such as those of the studies.
-            found |= {node.value} if re.fullmatch(r"mobility_imu(\.\w+)+", node.value) else set()
-    return {name for name in found if name.startswith("mobility_imu")}
-
-
-@cache
-def file_of(module: str) -> Path | None:
-    """File of a module, None if the name is not one of a module."""
-    place = PACKAGE.joinpath(*module.split(".")[1:])
-    for path in (place.with_suffix(".py"), place / "__init__.py"):
-        if path.is_file():
-            return path
-    return None
-
-
-@cache
-def reach_of(path: Path) -> frozenset[Path]:
-    """Files of the package that a file imports."""
-    text = path.read_text()
-    files = {file_of(name) for name in imported(text)}
-    if "import_module(" in text:  # by a name that is made when it runs: all that stand beside it
-        files |= set(path.parent.rglob("*.py"))
-    # A package is imported before its modules.
-    parents = {parent / "__init__.py" for file in files if file for parent in file.parents}
-    return frozenset(f for f in files | parents if f and f.is_file() and PACKAGE in f.parents)
-
-
 def modules_reached(notebook: Path) -> set[Path]:
     """Files of the package that a notebook can reach."""
     code = code_of(notebook)
-    names = imported(code)
+    names = imports.imported(code) | imports.named(code)
     if "mobility-imu" in code:
         names.add("mobility_imu.cli")
-    waiting = {file for name in names if (file := file_of(name))}
-    seen: set[Path] = set()
-    while waiting:
-        file = waiting.pop()
-        if file not in seen:
-            seen.add(file)
-            waiting |= reach_of(file)
-    return seen
+    return imports.reached((f for n in names if (f := imports.file_of(n))), imports.loaded)
 
 
 def data_reached(notebook: Path, modules: set[Path]) -> list[Path]:
@@ -140,6 +98,7 @@ def execute(chosen: list[Path]) -> int:
     order = sorted(stale, key=lambda n: -seconds_of(EXECUTED / n))
     # One thread for each kernel: the kernels share the cores.
     environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
+    workers = min(os.cpu_count() or 1, len(stale)) if len(stale) > 1 else 0
     begun = time.time()
     # nbmake passes over whatever lies in a folder named _build: run elsewhere, then move.
     with tempfile.TemporaryDirectory(prefix="notebooks-") as folder:
@@ -151,7 +110,7 @@ def execute(chosen: list[Path]) -> int:
             [
                 *(sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"),
                 *("-c", os.devnull, "--rootdir", folder, "--durations=5"),
-                *("-n", str(os.cpu_count() or 1), "--dist", "worksteal"),
+                *("-n", str(workers), "--dist", "worksteal"),
                 *("--nbmake", f"--nbmake-timeout={TIMEOUT_S}", "--overwrite"),
                 *(str(room / n) for n in order),
             ],

@@ -6,14 +6,19 @@ simulators and the comparison with the published numbers stand beside them. Impo
 loads none of them: each is loaded when it is first used.
 """
 
-import importlib.util
-from types import ModuleType
+from __future__ import annotations
+
+TYPE_CHECKING = False  # as in typing, which would have to be loaded
+if TYPE_CHECKING:
+    from types import ModuleType
 
 __version__ = "0.1.0"
 
 
 def __getattr__(name: str) -> ModuleType:
     """Load a module of this package when it is first used."""
+    import importlib.util
+
     if (
         not name.isidentifier()
         or name.startswith("_")

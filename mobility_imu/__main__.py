@@ -1,11 +1,9 @@
 """``python -m mobility_imu`` is the command line."""
 
-import os
-import signal
+# What this needs is imported where an interrupt is caught: Ctrl-C may come at once.
+from __future__ import annotations
+
 import sys
-import threading
-from contextlib import suppress
-from typing import Any
 
 INTERRUPTED = 130
 
@@ -16,9 +14,9 @@ def main() -> None:
     An interrupt ends it with exit code 130 and one line, also while libraries are still being
     loaded. Once the command has ended, an interrupt changes nothing any more.
     """
-    sys.unraisablehook = _deliver_interrupts
     code: object = 0
     try:
+        sys.unraisablehook = _deliver_interrupts
         from mobility_imu.cli.main import main as run
 
         run()
@@ -28,6 +26,15 @@ def main() -> None:
         code = INTERRUPTED
     except SystemExit as left:
         code = left.code
+    _leave(code)
+
+
+def _leave(code: object) -> None:
+    """End the process with an exit code."""
+    import os
+    import signal
+    from contextlib import suppress
+
     with suppress(ValueError):  # signals can be set in the main thread only
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     if code == INTERRUPTED:
@@ -38,9 +45,13 @@ def main() -> None:
     sys.exit(code)  # type: ignore[arg-type]
 
 
-def _deliver_interrupts(unraisable: Any) -> None:
+def _deliver_interrupts(unraisable: sys.UnraisableHookArgs) -> None:
     """Let an interrupt that came where Python drops exceptions come again a moment later."""
     if unraisable.exc_type is KeyboardInterrupt:
+        import os
+        import signal
+        import threading
+
         # From another thread: here it would be dropped again.
         threading.Timer(0.02, os.kill, (os.getpid(), signal.SIGINT)).start()
     else:

@@ -1,15 +1,15 @@
-"""Thin wrappers of ``scipy.ndimage`` and ``scipy.signal``."""
+"""Thin wrappers of ``scipy.ndimage`` and ``scipy.signal``, and the root mean square."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import ndimage
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_count, one_of
+from mobility_imu.frames import FloatArray, as_count, as_floats, one_of, shown
 
 
 def median_filter(
@@ -64,7 +64,7 @@ def moving_average(values: ArrayLike, window: int) -> FloatArray:
         If the window is even, not positive, or longer than the data.
     """
     data, window = _checked("moving average", values, window)
-    return ndimage.uniform_filter1d(data, window, axis=0, mode="nearest")
+    return np.asarray(ndimage.uniform_filter1d(data, window, axis=0, mode="nearest"))
 
 
 def savitzky_golay(values: ArrayLike, window: int, order: int) -> FloatArray:
@@ -88,23 +88,53 @@ def savitzky_golay(values: ArrayLike, window: int, order: int) -> FloatArray:
     from scipy import signal
 
     data, window = _checked("Savitzky-Golay", values, window)
-    if not 0 <= order < window:
+    order = as_count(order, "Savitzky-Golay order", least=0)
+    if order >= window:
         raise InputError(f"Savitzky-Golay order = {order}: expected from 0 to window - 1")
-    return signal.savgol_filter(data, window, order, axis=0)
+    return np.asarray(signal.savgol_filter(data, window, order, axis=0))
+
+
+def rms(values: ArrayLike) -> float:
+    """Root of the mean square; NaN is left out.
+
+    Parameters
+    ----------
+    values : array of any shape with one number or more
+
+    Returns
+    -------
+    float, in the unit of the values
+
+    Raises
+    ------
+    InputError
+        If there is no number in it.
+
+    Examples
+    --------
+    >>> rms([3.0, float("nan"), -3.0])
+    3.0
+    """
+    data = as_floats(values, "values")
+    data = data[~np.isnan(data)]
+    if not data.size:
+        raise InputError("values: expected one number or more")
+    return float(np.sqrt(np.mean(np.square(data))))
 
 
 def _checked(name: str, values: ArrayLike, window: int) -> tuple[FloatArray, int]:
     """Data as a float array of one or two dimensions, and the window as a whole odd number."""
-    data = np.asarray(values, float)
-    if data.ndim not in (1, 2) or not len(data):
+    data = as_floats(values, name)
+    if data.ndim not in (1, 2) or not data.size:
         raise InputError(f"{name}: expected one or more samples, got an array {data.shape}")
-    given: float = window
+    given: Any = window
     try:
-        window = as_count(int(given) if given == int(given) else given, f"{name} window")
+        whole = int(given) if not isinstance(given, bool) and given == int(given) else given
+        window = as_count(whole, f"{name} window")
     except (InputError, TypeError, ValueError, OverflowError):
         window = 0
     if window % 2 == 0:
-        raise InputError(f"{name} window = {given!r}: expected an odd number of samples")
+        raise InputError(f"{name} window = {shown(given)}: expected an odd number of samples")
     if window > len(data):
         raise InputError(f"{name} window = {window}: longer than the {len(data)} samples")
     return data, window

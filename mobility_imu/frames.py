@@ -13,7 +13,9 @@ from __future__ import annotations
 
 import dataclasses
 import numbers
+import sys
 from collections.abc import Collection
+from decimal import Decimal
 from typing import Any, TypeVar
 
 import numpy as np
@@ -28,10 +30,14 @@ STANDARD_GRAVITY_MPS2 = 9.80665
 """What an ideal accelerometer at rest reads in total, m/s² (standard gravity)."""
 GAP_FACTOR = 1.5
 """A time step longer than this many usual ones is a gap: at 1.5 a sample is missing."""
+SHORTEST_STEP_S, LONGEST_STEP_S = 1e-9, 1e9
+"""Between these lies the usual step of any clock in seconds."""
+LONGEST_SHOWN = 60
+"""Characters of a value that a message shows at most."""
 
 
 def wrap_angle(angle_rad: ArrayLike) -> FloatArray:
-    """Bring angles into the half-open interval [-pi, pi).
+    """Angles in the half-open interval [-pi, pi); NaN and infinity become NaN.
 
     Parameters
     ----------
@@ -46,9 +52,62 @@ def wrap_angle(angle_rad: ArrayLike) -> FloatArray:
     >>> wrap_angle([0.0, 4.0]).round(4).tolist()
     [0.0, -2.2832]
     """
-    wrapped = (np.asarray(angle_rad, float) + np.pi) % (2 * np.pi) - np.pi
+    angle = as_floats(angle_rad, "angle_rad")
+    with np.errstate(invalid="ignore"):  # infinite angles have no place in a turn: NaN
+        wrapped = (angle + np.pi) % (2 * np.pi) - np.pi
     # The remainder of a number just below a multiple is rounded up to the whole turn.
     return np.asarray(np.where(wrapped >= np.pi, -np.pi, wrapped))
+
+
+def as_floats(values: Any, name: str) -> FloatArray:
+    """Check that an array of any shape is made of real numbers, and make them floats.
+
+    Complex numbers, dates, text, truth values, missing and masked values are refused: a
+    conversion would change their meaning without a word. An array of floats is not copied.
+
+    Parameters
+    ----------
+    values : array
+    name : what to call it in the error message
+
+    Returns
+    -------
+    float array of the same shape
+
+    Raises
+    ------
+    InputError
+        If a value is not a real number, or rows of nested lists differ in length.
+
+    Examples
+    --------
+    >>> as_floats(["1", "2"], "time_s")
+    Traceback (most recent call last):
+    mobility_imu.errors.InputError: time_s: expected real numbers, got text
+    """
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise InputError(f"{name}: expected real numbers, got masked values")
+    if not isinstance(values, np.ndarray) and _holds_truth(values):
+        raise InputError(f"{name}: expected real numbers, got truth values")
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name}: expected real numbers in rows of one length") from None
+    if array.dtype.kind == "O":  # columns of mixed types: converted one by one
+        strange = [kind for kind in set(map(type, array.ravel())) if not _is_real(kind)]
+        if strange:
+            raise InputError(f"{name}: expected real numbers, got {strange[0].__name__}")
+        try:
+            array = array.astype(float)
+        except OverflowError:
+            raise InputError(f"{name}: a number is too large") from None
+    elif array.dtype.kind not in "fiu":
+        kinds = {"U": "text", "S": "text", "b": "truth values", "c": "complex numbers"}
+        kinds |= {"M": "dates", "m": "time differences"}
+        got = kinds.get(array.dtype.kind, str(array.dtype))
+        raise InputError(f"{name}: expected real numbers, got {got}")
+    with np.errstate(over="ignore"):  # longer floats may become infinite
+        return np.asarray(array.astype(float, copy=False))
 
 
 def as_vectors(
@@ -85,7 +144,7 @@ def as_vectors(
     Traceback (most recent call last):
     mobility_imu.errors.InputError: acc_mps2: expected shape (n, 3), got (3,)
     """
-    array = _as_float(values, name)
+    array = as_floats(values, name)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise InputError(f"{name}: expected three components in the last axis, got {array.shape}")
     if ndim is not None and array.ndim != ndim:
@@ -117,7 +176,7 @@ def as_series(values: ArrayLike, name: str, *, length: int | None = None) -> Flo
     InputError
         If it has another shape or length, or holds NaN or infinity.
     """
-    array = _as_float(values, name)
+    array = as_floats(values, name)
     if array.ndim != 1:
         raise InputError(f"{name}: expected one time series, got an array of shape {array.shape}")
     if length is not None and len(array) != length:
@@ -146,12 +205,13 @@ def as_clock(time_s: ArrayLike, name: str = "time_s", *, even: bool = False) -> 
     ------
     InputError
         If there are fewer than two times, or they repeat, run backwards or, with ``even``, leave a
-        gap; the message says where.
+        gap; the message says where. Also if the usual step is none that a clock in s can have.
     """
     clock = as_series(time_s, name)
     if len(clock) < 2:
         raise InputError(f"{name}: {len(clock)} sample(s), expected at least 2")
-    step = np.diff(clock)
+    with np.errstate(over="ignore"):
+        step = np.diff(clock)
     if (step == 0).any():
         k = int(np.argmax(step == 0))
         raise InputError(f"{name}: {clock[k]:g} s stands twice (samples {k} and {k + 1})")
@@ -161,6 +221,8 @@ def as_clock(time_s: ArrayLike, name: str = "time_s", *, even: bool = False) -> 
             f"{name}: runs backwards at sample {k + 1} ({clock[k]:g} s, then {clock[k + 1]:g} s)"
         )
     usual = float(np.median(step))
+    if not SHORTEST_STEP_S <= usual <= LONGEST_STEP_S or not np.isfinite(step).all():
+        raise InputError(f"{name}: steps of {usual:.3g} s, which no clock has; are the times in s?")
     gap = step > GAP_FACTOR * usual
     if even and gap.any():
         k = int(np.argmax(gap))
@@ -184,11 +246,19 @@ def as_flags(flags: ArrayLike, name: str, *, length: int) -> NDArray[np.bool_]:
     -------
     (n,) bool array, a copy
     """
-    array = np.array(flags)
+    expected = f"{name}: expected truth values, or 0 and 1"
+    if isinstance(flags, np.ma.MaskedArray) and np.ma.is_masked(flags):
+        raise InputError(f"{expected}; some are masked")
+    try:
+        array = np.array(flags)
+    except (TypeError, ValueError):
+        raise InputError(expected) from None
+    if array.dtype.kind == "O" and set(map(type, array.ravel())) <= {bool, np.bool_}:
+        array = array.astype(np.bool_)
     if array.shape != (length,):
         raise InputError(f"{name}: expected shape ({length},) like the others, got {array.shape}")
     if array.dtype != np.bool_ and not (array.dtype.kind in "iuf" and np.isin(array, (0, 1)).all()):
-        raise InputError(f"{name}: expected truth values, or 0 and 1")
+        raise InputError(expected)
     return array.astype(np.bool_)
 
 
@@ -216,10 +286,10 @@ def as_rotation(matrix: ArrayLike, name: str, *, tolerance: float = 1e-3) -> Flo
     Traceback (most recent call last):
     mobility_imu.errors.InputError: mount: a mirror (determinant -1), expected a rotation matrix
     """
-    array = _as_float(matrix, name)
+    array = as_floats(matrix, name)
     if array.shape != (3, 3) or not np.isfinite(array).all():
         raise InputError(f"{name}: expected a rotation matrix of 3 x 3 numbers")
-    if not np.allclose(array @ array.T, np.eye(3), atol=tolerance):
+    if np.abs(array).max() > 2 or not np.allclose(array @ array.T, np.eye(3), atol=tolerance):
         raise InputError(f"{name}: not orthogonal, expected a 3 x 3 rotation matrix")
     if np.linalg.det(array) < 0:
         raise InputError(f"{name}: a mirror (determinant -1), expected a rotation matrix")
@@ -237,7 +307,7 @@ def one_of(name: str, value: Choice, choices: Collection[Choice]) -> Choice:
 
     Returns
     -------
-    the value
+    the choice that equals the value
 
     Raises
     ------
@@ -250,14 +320,16 @@ def one_of(name: str, value: Choice, choices: Collection[Choice]) -> Choice:
     Traceback (most recent call last):
     mobility_imu.errors.InputError: form = 'prnted': expected 'corrected' or 'printed'
     """
-    try:
-        known = value in choices
-    except (TypeError, ValueError):  # arrays, and what has no hash
-        known = False
-    if not known:
-        *others, last = map(repr, choices)
-        raise InputError(f"{name} = {value!r}: expected {', '.join(others)} or {last}")
-    return value
+    for choice in choices:
+        # Of one type first: arrays have no single truth value, and True does not mean 1.
+        alike = isinstance(value, type(choice)) and isinstance(value, bool) == isinstance(
+            choice, bool
+        )
+        if alike and value == choice:
+            return choice
+    names = [repr(choice) for choice in choices]
+    expected = " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    raise InputError(f"{name} = {shown(value)}: expected {expected}")
 
 
 def as_number(
@@ -285,12 +357,14 @@ def as_number(
     expected = "a number" if negative else "a number of 0 or more" if zero else "a positive number"
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
-    real = isinstance(value, numbers.Real) and not isinstance(value, bool | np.bool_)
-    number = float(value) if real else np.nan
+    try:
+        with np.errstate(over="ignore"):
+            number = float(value) if _is_real(type(value)) else np.nan
+    except OverflowError:
+        number = np.nan
     low = number >= 0 if zero else number > 0
     if not (negative or low) or not (np.isfinite(number) or (infinite and not np.isnan(number))):
-        shown = value if real else repr(value)
-        raise InputError(f"{name} = {shown}: expected {expected}")
+        raise InputError(f"{name} = {shown(value)}: expected {expected}")
     return number
 
 
@@ -312,9 +386,11 @@ def as_count(value: Any, name: str, *, least: int = 1) -> int:
     InputError
         If it is not a whole number, or too small.
     """
-    whole = isinstance(value, numbers.Integral) and not isinstance(value, bool | np.bool_)
-    if not whole or value < least:
-        raise InputError(f"{name} = {value!r}: expected a whole number of {least} or more")
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    whole = _is_real(type(value)) and isinstance(value, numbers.Integral)
+    if not whole or not least <= value <= sys.maxsize:
+        raise InputError(f"{name} = {shown(value)}: expected a whole number of {least} or more")
     return int(value)
 
 
@@ -339,16 +415,42 @@ def check_positive(settings: Any, *names: str, allow_zero: Collection[str] = ())
         object.__setattr__(settings, field, number)
 
 
-def _as_float(values: Any, name: str) -> FloatArray:
-    """Array of floats; complex numbers, dates, text, truth values and masks are refused."""
-    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
-        raise InputError(f"{name}: masked values, expected real numbers")
+def shown(value: object) -> str:
+    """Value as a message shows it: on one line, and cut after some characters.
+
+    Parameters
+    ----------
+    value : anything
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> shown("0.84"), shown(0.84), shown(10**80)[-6:]
+    ("'0.84'", '0.84', '000...')
+    """
     try:
-        array = np.asarray(values)
-        if array.dtype.kind == "O":  # columns of mixed types: converted one by one
-            array = np.asarray(array, float)
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: expected real numbers") from None
-    if array.dtype.kind not in "fiu":
-        raise InputError(f"{name}: expected real numbers, got {array.dtype}")
-    return array.astype(float, copy=False)
+        text = " ".join((f"{value}" if _is_real(type(value)) else repr(value)).split())
+    except (ValueError, RecursionError):
+        # Python writes no integer of more than some thousand digits, and no endless nesting.
+        return "a value too long to show"
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}..."
+
+
+def _is_real(kind: type) -> bool:
+    """Whether values of a type are real numbers; truth values and time differences are not."""
+    return issubclass(kind, numbers.Real | Decimal) and not issubclass(
+        kind, bool | np.bool_ | np.timedelta64
+    )
+
+
+def _holds_truth(values: Any) -> bool:
+    """Whether nested lists have a truth value among numbers, which NumPy would turn into 1 or 0."""
+    if not isinstance(values, list | tuple):
+        return isinstance(values, bool | np.bool_)
+    kinds = set(map(type, values))
+    if kinds <= {float, int}:
+        return False
+    return any(map(_holds_truth, values))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_count, as_floats, as_number
 from mobility_imu.runs import long_runs
 
 
@@ -21,12 +23,18 @@ def frozen_samples(values: ArrayLike, sampling_rate_hz: float) -> NDArray[np.boo
     Returns
     -------
     (n,) bool array
+
+    Raises
+    ------
+    InputError
+        If the readings are no series of one or more axes.
     """
-    values = np.asarray(values, float)
+    values = _readings(values)
+    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
     if not len(values):
         return np.zeros(0, np.bool_)
     same = np.r_[False, (np.diff(values, axis=0) == 0).all(axis=1)]
-    return long_runs(same, max(2, round(0.25 * sampling_rate_hz) - 1), grow=True)
+    return long_runs(same, max(2, round(0.25 * rate) - 1), grow=True)
 
 
 def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
@@ -40,8 +48,13 @@ def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
     Returns
     -------
     (n,) bool array
+
+    Raises
+    ------
+    InputError
+        If the readings are no series of one or more axes.
     """
-    values = np.asarray(values, float)  # not int16, whose largest size it cannot hold
+    values, run = _readings(values), as_count(run, "run")
     cut = np.zeros(len(values), bool)
     if not len(values):
         return cut
@@ -49,3 +62,11 @@ def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
         at_limit = (axis == axis.max()) & (axis > 1.2 * np.median(axis))
         cut |= long_runs(at_limit, run, grow=False)
     return cut
+
+
+def _readings(values: ArrayLike) -> FloatArray:
+    """Readings as floats, not as int16, which cannot hold its own largest size."""
+    array = as_floats(values, "values")
+    if array.ndim != 2 or not array.shape[1]:
+        raise InputError(f"values: expected shape (n, k), got {array.shape}")
+    return array

@@ -10,14 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_clock, as_number, as_vectors
+from mobility_imu.frames import FloatArray, as_clock, as_number, as_vectors, shown
 from mobility_imu.results import Result
 
 if TYPE_CHECKING:
     import pandas as pd
 
+LOWEST_RATE_HZ, HIGHEST_RATE_HZ = 1.0, 1e5
+"""Between these lies the sampling rate of any IMU."""
 # 2000 deg/s is the widest range of the usual IMUs; a unit error (deg/s) overshoots it at once.
 LARGEST_RATE_RADPS = 40.0
+# 400 g, the widest range of the sensors for impacts. Larger numbers are no readings at all.
+LARGEST_ACC_MPS2 = 4000.0
 # Median length of the specific force. A wheel adds a centripetal part, so the upper end is loose.
 PLAUSIBLE_ACC_MPS2 = (6.0, 60.0)
 
@@ -43,14 +47,14 @@ class Imu(Result):
     def __post_init__(self) -> None:
         """Convert and copy both arrays, so that no later change of the input reaches them."""
         acc = as_vectors(self.acc_mps2, "acc_mps2", ndim=2)
-        object.__setattr__(self, "acc_mps2", np.array(acc, order="C"))
+        object.__setattr__(self, "acc_mps2", np.asarray(acc, order="C"))
         if self.gyr_radps is not None:
             gyr = as_vectors(self.gyr_radps, "gyr_radps", length=len(acc))
-            object.__setattr__(self, "gyr_radps", np.array(gyr, order="C"))
+            object.__setattr__(self, "gyr_radps", np.asarray(gyr, order="C"))
         super().__post_init__()
 
     def __len__(self) -> int:
-        """Return the number of samples."""
+        """Number of samples."""
         return len(self.acc_mps2)
 
 
@@ -90,10 +94,14 @@ class Recording(Result):
         if not isinstance(self.sensors, Mapping) or not self.sensors:
             raise InputError(f"{self.source}: no sensor; expected a mapping of name to Imu")
         for name, imu in self.sensors.items():
+            if not isinstance(name, str) or not name:
+                raise InputError(f"{self.source}: sensor {shown(name)}: expected a name as text")
             if not isinstance(imu, Imu):
-                raise InputError(f"{self.source}: sensor {name!r} is {imu!r:.60}, expected an Imu")
+                raise InputError(
+                    f"{self.source}: sensor {shown(name)} is {shown(imu)}, expected an Imu"
+                )
             _check_imu(name, imu, len(time_s), self.source)
-        object.__setattr__(self, "time_s", time_s.copy())
+        object.__setattr__(self, "time_s", time_s)
         object.__setattr__(self, "sensors", MappingProxyType(dict(self.sensors)))
         super().__post_init__()
 
@@ -117,7 +125,7 @@ class Recording(Result):
         )
 
     def __len__(self) -> int:
-        """Return the number of samples."""
+        """Number of samples."""
         return len(self.time_s)
 
     @property
@@ -127,27 +135,35 @@ class Recording(Result):
         return round(float(rate), 6)
 
     def sensor(self, name: str, *, gyroscope: bool = False) -> Imu:
-        """Return one sensor; the error lists the available names.
+        """One sensor; the error lists the available names.
 
         Parameters
         ----------
         name : the sensor's name
         gyroscope : whether its gyroscope is needed
+
+        Returns
+        -------
+        Imu
         """
-        if name not in self.sensors:
+        if name not in tuple(self.sensors):
             have = ", ".join(self.sensors)
-            raise InputError(f"{self.source}: no sensor '{name}' (it has: {have})")
+            raise InputError(f"{self.source}: no sensor {shown(name)} (it has: {have})")
         imu = self.sensors[name]
         if gyroscope and imu.gyr_radps is None:
             raise InputError(f"{self.source}: sensor '{name}' has no gyroscope columns")
         return imu
 
     def gyroscope(self, name: str) -> FloatArray:
-        """Return the rates of one sensor, (n, 3) in rad/s; an error if it has no gyroscope.
+        """Rates of one sensor; an error if it has no gyroscope.
 
         Parameters
         ----------
         name : the sensor's name
+
+        Returns
+        -------
+        (n, 3) array, rad/s
         """
         rates = self.sensor(name, gyroscope=True).gyr_radps
         assert rates is not None
@@ -167,11 +183,22 @@ class Recording(Result):
         return pd.DataFrame(columns)
 
     def trim(self, start_s: float, stop_s: float) -> Recording:
-        """Keep the samples with start_s <= time < stop_s (s, on the recording's clock)."""
+        """Recording of the samples with start_s <= time < stop_s.
+
+        Parameters
+        ----------
+        start_s, stop_s : s, on the recording's clock; infinity leaves an end as it is
+
+        Returns
+        -------
+        Recording
+        """
+        start_s = as_number(start_s, "start_s", negative=True, infinite=True)
+        stop_s = as_number(stop_s, "stop_s", negative=True, infinite=True)
         keep = (self.time_s >= start_s) & (self.time_s < stop_s)
         if keep.sum() < 2:
             raise InputError(
-                f"{self.source}: nothing between {start_s} and {stop_s} s (it runs from "
+                f"{self.source}: nothing between {start_s:g} and {stop_s:g} s (it runs from "
                 f"{self.time_s[0]:g} to {self.time_s[-1]:g} s)"
             )
         sensors = {
@@ -181,13 +208,21 @@ class Recording(Result):
         return Recording(self.time_s[keep], sensors, source=self.source)
 
     def resample(self, sampling_rate_hz: float) -> Recording:
-        """Put the samples on an even clock by linear interpolation.
+        """Recording on an even clock, by linear interpolation.
 
         Parameters
         ----------
         sampling_rate_hz : Hz. Going down, filter first: nothing is low-passed here.
+
+        Returns
+        -------
+        Recording
         """
         sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+        if sampling_rate_hz > HIGHEST_RATE_HZ:
+            raise InputError(
+                f"sampling_rate_hz = {sampling_rate_hz:g}: expected up to {HIGHEST_RATE_HZ:g} Hz"
+            )
         span = self.time_s[-1] - self.time_s[0]
         count = int(np.floor(span * sampling_rate_hz + 1e-9)) + 1
         time_s = self.time_s[0] + np.arange(count) / sampling_rate_hz
@@ -223,7 +258,8 @@ def _check_imu(name: str, imu: Imu, count: int, source: str) -> None:
 
 
 def _check_units(name: str, imu: Imu, source: str) -> None:
-    acc = float(np.median(np.linalg.norm(imu.acc_mps2, axis=1)))
+    with np.errstate(over="ignore"):  # huge numbers are refused below
+        acc = float(np.median(np.linalg.norm(imu.acc_mps2, axis=1)))
     low, high = PLAUSIBLE_ACC_MPS2
     if not low <= acc <= high:
         if 0.6 <= acc <= 2.5:
@@ -241,6 +277,13 @@ def _check_units(name: str, imu: Imu, source: str) -> None:
         raise InputError(
             f"{source}: {name}_acc has a median length of {acc:.4g}, expected about 9.81 m/s²: "
             f"{guess}"
+        )
+    largest = max(float(imu.acc_mps2.max()), -float(imu.acc_mps2.min()))
+    if largest > LARGEST_ACC_MPS2:
+        k = int(np.argmax(np.abs(imu.acc_mps2).max(axis=1)))
+        raise InputError(
+            f"{source}: {name}_acc reaches {largest:.4g} m/s² at sample {k}, more than any such "
+            f"sensor measures ({LARGEST_ACC_MPS2:g})"
         )
     if imu.gyr_radps is not None:
         fastest = float(np.abs(imu.gyr_radps).max())

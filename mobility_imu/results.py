@@ -7,12 +7,38 @@ from typing import Any
 
 import numpy as np
 
+LONGEST_VALUE = 80
+"""Characters of a field's value that a repr shows at most."""
+
+
+def read_only(array: np.ndarray) -> np.ndarray:
+    """Copy of an array that nobody can write to; an array that nobody can write to is returned.
+
+    Parameters
+    ----------
+    array : array; a view counts as writeable if what it looks at can be written to
+
+    Returns
+    -------
+    array of the same type and shape
+    """
+    held: Any = array
+    while isinstance(held, np.ndarray) and not held.flags.writeable:
+        held = held.base
+    if held is None:
+        return array
+    array = array.copy()
+    array.setflags(write=False)
+    return array
+
 
 class Result:
     """Base of frozen dataclasses that hold arrays; declare them with ``eq=False, repr=False``.
 
-    Arrays are made read-only, also after pickling and copying. Two results are equal only if they
-    are the same object: an array has no single truth value to compare by.
+    Arrays are copied and made read-only, also those inside tuples, lists and dictionaries, so that
+    no later change of an input reaches a result; pickles and copies are read-only too. Two results
+    are equal only if they are the same object: an array has no single truth value to compare by.
+    A subclass with a ``__post_init__`` of its own calls this one at its end.
 
     Examples
     --------
@@ -29,12 +55,7 @@ class Result:
     def __post_init__(self) -> None:
         """Make the arrays read-only."""
         for field in dataclasses.fields(self):  # type: ignore[arg-type]
-            value = getattr(self, field.name)
-            if isinstance(value, np.ndarray):
-                if value.flags.writeable:
-                    value = value.view()
-                    value.setflags(write=False)
-                object.__setattr__(self, field.name, value)
+            object.__setattr__(self, field.name, _frozen(getattr(self, field.name)))
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Restore from a pickle or a copy: there arrays come back writeable."""
@@ -47,21 +68,37 @@ class Result:
         parts = [
             text
             for field in dataclasses.fields(self)  # type: ignore[arg-type]
-            if (text := _described(field.name, getattr(self, field.name)))
+            if field.repr and (text := _described(field.name, getattr(self, field.name, None)))
         ]
         return f"{type(self).__name__}({', '.join(parts)})"
 
 
+def _frozen(value: Any) -> Any:
+    """Value with read-only arrays in it; containers are copied, and keep their types."""
+    if isinstance(value, np.ndarray):
+        return read_only(value)
+    if isinstance(value, tuple) and hasattr(value, "_fields"):  # a NamedTuple
+        return type(value)(*map(_frozen, value))
+    if type(value) in (tuple, list):
+        return type(value)(map(_frozen, value))
+    if type(value) is dict:
+        return {key: _frozen(part) for key, part in value.items()}
+    return value
+
+
 def _described(name: str, value: Any) -> str:
     if isinstance(value, np.ndarray):
-        if value.size <= 3 and value.ndim == 1 and value.dtype.kind == "f":
+        if 0 < value.size <= 3 and value.ndim == 1 and value.dtype.kind == "f":
             numbers = ", ".join(f"{v:.4g}" for v in value)
             return f"{name}=[{numbers}]"
         return f"{name}[{' x '.join(map(str, value.shape))}]"
     if name == "warnings":
         return f"{len(value)} warning(s)" if value else ""
-    if isinstance(value, list | tuple | dict) and len(value) > 4:
+    if isinstance(value, list | tuple | dict | set) and len(value) > 4:
         return f"{name}: {len(value)}"
     if isinstance(value, float):
         return f"{name}={value:.6g}"
-    return f"{name}={value!r}" if len(repr(value)) <= 80 else name
+    text = repr(value)
+    if len(text) > LONGEST_VALUE or "\n" in text:
+        return f"{name}: {type(value).__name__}"
+    return f"{name}={text}"

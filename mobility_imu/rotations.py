@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.frames import FloatArray, as_vectors, one_of
+from mobility_imu.frames import FloatArray, as_floats, as_vectors, one_of
 
 
 def elementary_rotation(axis: Literal["x", "y", "z"], angle_rad: ArrayLike) -> FloatArray:
@@ -29,10 +29,10 @@ def elementary_rotation(axis: Literal["x", "y", "z"], angle_rad: ArrayLike) -> F
     [0.0, 1.0, 0.0]
     """
     one_of("axis", axis, ("x", "y", "z"))
-    angle = np.asarray(angle_rad, float)
+    angle = as_floats(angle_rad, "angle_rad")
     turns = np.zeros((angle.size, 3))
     turns[:, "xyz".index(axis)] = angle.ravel()
-    return Rotation.from_rotvec(turns).as_matrix().reshape(*angle.shape, 3, 3)
+    return np.reshape(Rotation.from_rotvec(turns).as_matrix(), (*angle.shape, 3, 3))
 
 
 def cross_matrix(vector: ArrayLike) -> FloatArray:

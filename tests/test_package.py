@@ -29,3 +29,15 @@ def test_names_that_are_no_modules(name):
     with pytest.raises(AttributeError, match="has no attribute"):
         getattr(mobility_imu, name)
     assert not hasattr(mobility_imu, name)
+
+
+def test_nothing_is_loaded_before_an_interrupt_is_caught():
+    """Ctrl-C in the first hundredths of a second: the entry point itself loads no library."""
+    code = """
+import sys
+before = set(sys.modules)
+import mobility_imu.__main__
+print(sorted(set(sys.modules) - before - {"__future__"}))
+"""
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert found.stdout.strip() == "['mobility_imu', 'mobility_imu.__main__']", found.stderr

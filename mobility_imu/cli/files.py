@@ -1,7 +1,7 @@
 """Output files: checked before a command works, and written all or none.
 
 An output is a regular file or a new name. It never replaces an input of the same command, under
-whatever name, and two outputs are never one file.
+whatever name, nor a file that a stream of the command goes to; two outputs are never one file.
 """
 
 from __future__ import annotations
@@ -61,7 +61,8 @@ class Outputs:
     Raises
     ------
     InputError
-        If a file cannot be written, is no regular file, is an input, or is named twice.
+        If a file cannot be written, is no regular file, is an input or open already, or is named
+        twice.
     """
 
     files: Mapping[str, Path | None]
@@ -108,6 +109,7 @@ class Outputs:
         given = {option: path for option, path in self.files.items() if path is not None}
         places = {path: _destination(path) for path in given.values()}
         inputs = {_identity(path): path for path in self.inputs}
+        streams = _open_files()
         taken: dict[tuple[object, ...], str] = {}
         for option, path in given.items():
             before = places[path].before
@@ -115,6 +117,12 @@ class Outputs:
                 raise InputError(
                     f"{option} {path}: is an input of this command and would be replaced; "
                     "choose another name"
+                )
+            if before is not None and (before.st_dev, before.st_ino) in streams:
+                # As in "-o log >> log", or "-o /dev/stdout >> log": the log would be lost.
+                raise InputError(
+                    f"{option} {path}: is a file that the command has open, such as the one that "
+                    "standard output goes to; choose another name"
                 )
             key = _key(places[path])
             if key in taken:
@@ -210,6 +218,19 @@ def _key(place: Destination) -> tuple[object, ...]:
     # Some file systems take A.csv for a.csv, or one spelling of an accent for the other.
     name = unicodedata.normalize("NFC", place.target.name).casefold()
     return _identity(place.target.parent), name
+
+
+def _open_files() -> set[tuple[int, int]]:
+    """Device and number of each file that this process has open, as far as the system tells."""
+    numbers = {0, 1, 2}
+    with suppress(OSError, ValueError):
+        numbers |= {int(name) for name in os.listdir("/dev/fd")}
+    found = set()
+    for number in numbers:
+        with suppress(OSError):
+            state = os.fstat(number)
+            found.add((state.st_dev, state.st_ino))
+    return found
 
 
 def _identity(path: Path) -> tuple[int, int] | None:

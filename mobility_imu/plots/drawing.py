@@ -26,12 +26,29 @@ GREY = "#555555"
 
 
 def direction(angle_rad: float) -> FloatArray:
-    """Unit vector at an angle from the drawing's right, counter-clockwise, (2,)."""
+    """Unit vector at an angle.
+
+    Parameters
+    ----------
+    angle_rad : rad, counter-clockwise from the drawing's right
+
+    Returns
+    -------
+    (2,) array
+    """
     return np.array([np.cos(angle_rad), np.sin(angle_rad)])
 
 
 def line(ax: Axes, points: ArrayLike, *, gid: str | None = None, **look: Any) -> None:
-    """Draw a line through points, (n, 2), in units of the drawing."""
+    """Draw a line through points.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    points : (n, 2) array, in units of the drawing
+    gid : name to find the artist by
+    **look : for ``ax.plot``
+    """
     look = {
         "color": "black",
         "linestyle": "-",
@@ -44,14 +61,30 @@ def line(ax: Axes, points: ArrayLike, *, gid: str | None = None, **look: Any) ->
 
 
 def shape(ax: Axes, points: ArrayLike, *, gid: str | None = None, **look: Any) -> None:
-    """Fill an outline, (n, 2), by default in the light grey of a body."""
+    """Fill an outline, by default in the light grey of a body.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    points : (n, 2) array, in units of the drawing
+    gid : name to find the artist by
+    **look : for ``Polygon``
+    """
     from matplotlib.patches import Polygon
 
     ax.add_patch(Polygon(np.asarray(points, float), gid=gid, **{**BODY, "zorder": 1, **look}))
 
 
 def disc(ax: Axes, centre: ArrayLike, radius: float, **look: Any) -> None:
-    """Draw a circle."""
+    """Draw a circle.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    centre : (2,) array, in units of the drawing
+    radius : in the same units
+    **look : for ``Circle``
+    """
     from matplotlib.patches import Circle
 
     x, y = np.asarray(centre, float)
@@ -61,7 +94,16 @@ def disc(ax: Axes, centre: ArrayLike, radius: float, **look: Any) -> None:
 def box(
     ax: Axes, centre: ArrayLike, size: tuple[float, float], angle_rad: float = 0.0, **look: Any
 ) -> None:
-    """Draw a rectangle about its centre; its long side lies along the angle."""
+    """Draw a rectangle about its centre.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    centre : (2,) array, in units of the drawing
+    size : length and height of its sides
+    angle_rad : rad, of the first side, counter-clockwise from the drawing's right
+    **look : for ``Rectangle``
+    """
     from matplotlib.patches import Rectangle
 
     x, y = np.asarray(centre, float)
@@ -88,7 +130,17 @@ def arrow(
     head: str = "-|>",
     **look: Any,
 ) -> None:
-    """Draw an arrow; the line under it carries the name, so that it can be measured."""
+    """Draw an arrow; the line under it carries the name, so that it can be measured.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    start, tip : (2,) arrays, in units of the drawing
+    colour : of line and head
+    gid : name to find the artist by
+    head : matplotlib's arrow style
+    **look : for ``FancyArrowPatch``
+    """
     from matplotlib.patches import FancyArrowPatch
 
     foot, point = np.asarray(start, float), np.asarray(tip, float)
@@ -103,7 +155,16 @@ def arrow(
 
 
 def label(ax: Axes, place: ArrayLike, text: str, colour: str = "black", **look: Any) -> None:
-    """Write on a light ground, so that lines underneath do not disturb."""
+    """Write on a light ground, so that lines underneath do not disturb.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    place : (2,) array, in units of the drawing
+    text : what to write
+    colour : of the letters
+    **look : for ``ax.text``
+    """
     x, y = np.asarray(place, float)
     look = {"ha": "center", "va": "center", "fontsize": TEXT_PT, "bbox": PAPER, "zorder": 8, **look}
     ax.text(x, y, text, color=colour, **look)
@@ -125,8 +186,14 @@ def arc(
 
     Parameters
     ----------
+    ax : matplotlib axes
+    centre : (2,) array, in units of the drawing
     radius : one radius, or (2,) for an ellipse that shows a circle from the side
     start_rad, stop_rad : rad, counter-clockwise from the drawing's right
+    colour : of the line
+    arrowhead : whether the end has one
+    gid : name to find the artist by
+    **look : for ``ax.plot``
     """
     angles = np.linspace(start_rad, stop_rad, 60)
     reach = np.broadcast_to(np.asarray(radius, float), (2,))
@@ -146,21 +213,47 @@ def dimension(
     colour: str = "black",
     shift: tuple[float, float] = (0.0, 0.0),
 ) -> None:
-    """Draw a length between two points, with its name in the middle."""
+    """Draw a length between two points, with its name in the middle.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    start, end : (2,) arrays, in units of the drawing
+    text : name of the length
+    gid : name to find the artist by
+    colour : of line and name
+    shift : of the name, from the middle
+    """
     foot, point = np.asarray(start, float), np.asarray(end, float)
     arrow(ax, foot, point, colour, gid=gid, head="<|-|>", linewidth=1.0, mutation_scale=10)
     label(ax, (foot + point) / 2 + shift, text, colour)
 
 
 def point_out(ax: Axes, place: ArrayLike, colour: str, *, into: bool = False) -> None:
-    """Mark an axis that points to the reader (dot), or away from the reader (cross)."""
+    """Mark an axis that points to the reader (dot), or away from the reader (cross).
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    place : (2,) array, in units of the drawing
+    colour : of the mark
+    into : whether the axis points away from the reader
+    """
     x, y = np.asarray(place, float)
     ax.plot(x, y, "o", color=colour, markersize=11, mfc="white", mew=1.6, zorder=7)
     ax.plot(x, y, "x" if into else "o", color=colour, markersize=6 if into else 4, zorder=8)
 
 
 def number(ax: Axes, place: ArrayLike, text: str, target: ArrayLike | None = None) -> None:
-    """Write a number in a circle, with a thin line to what it names."""
+    """Write a number in a circle, with a thin line to what it names.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    place : (2,) array, in units of the drawing
+    text : the number
+    target : (2,) array, where the line ends; None draws no line
+    """
     x, y = np.asarray(place, float)
     if target is not None:
         line(ax, [(x, y), tuple(np.asarray(target, float))], color=GREY, linewidth=0.9, zorder=6)
@@ -178,7 +271,13 @@ def number(ax: Axes, place: ArrayLike, text: str, target: ArrayLike | None = Non
 
 
 def blank(ax: Axes, across: tuple[float, float], upward: tuple[float, float]) -> None:
-    """Take off the axes; lengths are true to scale."""
+    """Take off the axes; lengths are true to scale.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+    across, upward : lowest and highest coordinate that is shown
+    """
     ax.set_aspect("equal")
     ax.set_xlim(*across)
     ax.set_ylim(*upward)

@@ -6,7 +6,11 @@ Never let colour alone carry a meaning: pair it with a line style, marker, hatch
 from __future__ import annotations
 
 from contextlib import ExitStack
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from pandas.io.formats.style import Styler
 
 # Okabe and Ito's palette, with a grey instead of the yellow, which is too pale on white.
 COLOURS = {
@@ -95,3 +99,42 @@ def cue(index: int) -> dict[str, Any]:
         "linestyle": LINE_STYLES[index % len(LINE_STYLES)],
         "marker": MARKERS[index % len(MARKERS)],
     }
+
+
+def show_table(
+    table: pd.DataFrame,
+    name: str,
+    digits: int = 3,
+    *,
+    index: bool = False,
+    caption: str | None = None,
+    missing: str = "–",
+) -> Styler:
+    """Table of a chapter: numbers of one length, words to the left, the same page each time.
+
+    Parameters
+    ----------
+    table : DataFrame
+    name : identifies the table in the page, so that two builds give the same page
+    digits : behind the decimal point
+    index : whether the rows' labels are shown
+    caption : text above the table
+    missing : what stands for NaN
+
+    Returns
+    -------
+    pandas Styler, which a notebook shows as HTML
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> "0.33" in show_table(pd.DataFrame({"sd": [1 / 3]}), "thirds", 2).to_html()
+    True
+    """
+    padding = {"selector": "td, th", "props": "padding: 0.1em 0.7em; text-align: left"}
+    styled = table.style.format(precision=digits, na_rep=missing).set_table_styles([padding])
+    if not index:
+        styled = styled.hide(axis="index")
+    if caption is not None:
+        styled = styled.set_caption(caption)
+    return styled.set_uuid("".join(c for c in name if c.isalnum() or c in "-_"))

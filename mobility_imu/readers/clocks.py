@@ -8,11 +8,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import GAP_FACTOR, FloatArray
-from mobility_imu.recording import Imu
+from mobility_imu.frames import GAP_FACTOR, FloatArray, as_number, shown
+from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu
 
-LOWEST_RATE_HZ, HIGHEST_RATE_HZ = 1.0, 1e5
-"""Between these lies the sampling rate of any IMU."""
 LONGEST_FILL_S = 60.0
 """A straight line over a longer gap says nothing of the motion."""
 FEWEST_TO_FILL = 1000
@@ -35,15 +33,16 @@ def check_rate(sampling_rate_hz: float, source: str, *, clock: bool = False) -> 
     Raises
     ------
     InputError
-        If it is not between :data:`LOWEST_RATE_HZ` and :data:`HIGHEST_RATE_HZ`.
+        If no IMU has it: lower than 1 Hz, or higher than 100 kHz.
     """
-    if not LOWEST_RATE_HZ <= sampling_rate_hz <= HIGHEST_RATE_HZ:
+    rate = _number(sampling_rate_hz)
+    if not LOWEST_RATE_HZ <= rate <= HIGHEST_RATE_HZ:
         hint = "; are the times in s?" if clock else ""
         raise InputError(
-            f"{source}: sampling rate of {sampling_rate_hz:g} Hz, expected {LOWEST_RATE_HZ:g} to "
-            f"{HIGHEST_RATE_HZ:g} Hz{hint}"
+            f"{source}: sampling rate of {shown(sampling_rate_hz)} Hz, expected "
+            f"{LOWEST_RATE_HZ:g} to {HIGHEST_RATE_HZ:g} Hz{hint}"
         )
-    return float(sampling_rate_hz)
+    return rate
 
 
 def check_fill(longest_s: float) -> float:
@@ -62,11 +61,21 @@ def check_fill(longest_s: float) -> float:
     InputError
         If it is not between 0 and :data:`LONGEST_FILL_S`.
     """
-    if not 0 <= longest_s <= LONGEST_FILL_S:
+    length = _number(longest_s)
+    if not 0 <= length <= LONGEST_FILL_S:
         raise InputError(
-            f"gaps to be filled up to {longest_s:g} s: expected between 0 and {LONGEST_FILL_S:g} s"
+            f"gaps to be filled up to {shown(longest_s)} s: expected between 0 and "
+            f"{LONGEST_FILL_S:g} s"
         )
-    return float(longest_s)
+    return length
+
+
+def _number(value: object) -> float:
+    """Number that was given; NaN for what is none."""
+    try:
+        return as_number(value, "value", negative=True, infinite=True)
+    except InputError:
+        return float("nan")
 
 
 def fill_gaps(

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, shown
 from mobility_imu.readers.table import read_text
-from mobility_imu.readers.wording import listed, quoted, shown
+from mobility_imu.readers.wording import listed, quoted
 
 SECTIONS = (
     "scooter",

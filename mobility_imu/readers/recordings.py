@@ -249,13 +249,15 @@ def _unwrapped(counter: FloatArray, path: str | Path) -> FloatArray:
 
 def _update_rate(comments: str, path: str | Path) -> float | None:
     """Rate in Hz that the comments state; None if there is no such line."""
-    stated = re.search(r"Update Rate:(.*)", comments)
-    if stated is None:
-        return None
-    number = re.fullmatch(r"\s*(\d+(?:[.,]\d+)?)\s*(?:Hz)?\s*", stated[1], re.ASCII)
-    if number is None:
-        raise InputError(f"{path}: Update Rate:{quoted(stated[1])}, expected a number of Hz")
-    return check_rate(float(number[1].replace(",", ".")), f"{path}: Update Rate:")
+    rates = set()
+    for stated in re.findall(r"Update Rate:(.*)", comments):
+        number = re.fullmatch(r"\s*(\d+(?:[.,]\d+)?)\s*(?:Hz)?\s*", stated, re.ASCII)
+        if number is None:
+            raise InputError(f"{path}: Update Rate:{quoted(stated)}, expected a number of Hz")
+        rates.add(check_rate(float(number[1].replace(",", ".")), f"{path}: Update Rate:"))
+    if len(rates) > 1:
+        raise InputError(f"{path}: Update Rate: stands twice ({sorted(rates)} Hz)")
+    return rates.pop() if rates else None
 
 
 def _common_counters(counters: Mapping[str, FloatArray], source: str) -> FloatArray:

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from mobility_imu.errors import InputError
+from mobility_imu.frames import shown
 from mobility_imu.readers.geometry import as_number
 from mobility_imu.readers.table import read_text
-from mobility_imu.readers.wording import quoted, shown
+from mobility_imu.readers.wording import quoted
 
 
 def read_json_numbers(path: str | Path) -> dict[str, float | None]:

@@ -17,7 +17,10 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.results import Result
 
+_BLANKS = " \t\r\v\f"
+"""What the parser of numbers passes over; a space that is not to be broken is none of them."""
 _LINE_ENDS = re.compile(r"\r\n|\r|\n")
 _NUMBER = re.compile(
     r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|inf|infinity|nan)", re.ASCII | re.IGNORECASE
@@ -70,8 +73,8 @@ def _read_bytes(path: Path) -> bytes:
     return path.read_bytes()
 
 
-@dataclass(frozen=True, eq=False)
-class NumberTable:
+@dataclass(frozen=True, eq=False, repr=False)
+class NumberTable(Result):
     """Columns of numbers under their names.
 
     Parameters
@@ -212,9 +215,9 @@ def _check_cells(
 
 def _is_number(cell: str, decimal: str) -> bool:
     """Whether a cell is empty or holds a number, in quotation marks or not."""
-    text = cell.strip()
+    text = cell.strip(_BLANKS)
     if len(text) > 1 and text[0] == text[-1] == '"':
-        text = text[1:-1].strip()
+        text = text[1:-1].strip(_BLANKS)
     if decimal != ".":
         if "." in text:
             return False

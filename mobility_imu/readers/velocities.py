@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 import warnings
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -14,10 +14,20 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.readers.clocks import check_rate
 from mobility_imu.readers.table import NumberTable, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.results import Result
 
 
-class VelocitySeries(NamedTuple):
-    """Linear velocity (m/s, forward positive) and yaw rate (rad/s, left positive) on a clock."""
+@dataclass(frozen=True, eq=False, repr=False)
+class VelocitySeries(Result):
+    """Linear velocity and yaw rate of a chair on an even clock.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    linear_velocity_mps : (n,) array, m/s, forward positive
+    yaw_rate_radps : (n,) array, rad/s, left positive
+    sampling_rate_hz : Hz
+    """
 
     time_s: FloatArray
     linear_velocity_mps: FloatArray

@@ -55,29 +55,6 @@ def quoted(text: str, longest: int = LONGEST_QUOTE) -> str:
     return short if len(text) <= longest and len(short) <= longest else f"{short[:longest]}..."
 
 
-def shown(value: object) -> str:
-    """Value of a TOML or JSON file as a message shows it.
-
-    Parameters
-    ----------
-    value : what the file has
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> shown("0.84"), shown(0.84)
-    ("'0.84'", '0.84')
-    """
-    try:
-        return quoted(repr(value))
-    except (ValueError, RecursionError):
-        # Python writes no integer of more than some thousand digits, and no endless nesting.
-        return "a value too long to show"
-
-
 def listed(names: Iterable[str], most: int = MOST_NAMES) -> str:
     """Names joined by commas; what is beyond the first ones is counted.
 

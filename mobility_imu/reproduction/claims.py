@@ -193,7 +193,16 @@ class Outcome:
 
 
 def check(claim: Claim) -> Outcome:
-    """Our number for a claim, computed now."""
+    """Our number for a claim, computed now.
+
+    Parameters
+    ----------
+    claim : Claim; one that computes nothing gets NaN
+
+    Returns
+    -------
+    Outcome
+    """
     return Outcome(claim, math.nan if claim.compute is None else float(claim.compute()))
 
 

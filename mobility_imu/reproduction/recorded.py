@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 
 from mobility_imu.data import DATA
 from mobility_imu.errors import InputError
+from mobility_imu.reproduction.imports import called, file_of, reached
 
 RECORDED_DIR = DATA / "recorded"
-PACKAGE = Path(__file__).resolve().parents[1]
 
 
 class Study(NamedTuple):
@@ -97,11 +97,21 @@ def load_record(name: str) -> dict[str, Any]:
     path = RECORDED_DIR / f"{name}.json"
     if name not in STUDIES or not path.is_file():
         raise InputError(f"record {name!r}: no such record; there are {', '.join(STUDIES)}")
-    return json.loads(path.read_text())
+    record: dict[str, Any] = json.loads(path.read_text())
+    return record
 
 
 def numbers(name: str) -> Any:
-    """Numbers of one record; see :func:`load_record`."""
+    """Numbers of one record; see :func:`load_record`.
+
+    Parameters
+    ----------
+    name : a key of :data:`STUDIES`
+
+    Returns
+    -------
+    what the study gave, as JSON has it
+    """
     return load_record(name)["numbers"]
 
 
@@ -141,7 +151,16 @@ def write_record(name: str, executor: Any = None) -> Path | None:
 
 
 def is_stale(name: str) -> bool:
-    """Whether the code behind a record has changed since the record was made."""
+    """Whether the code behind a record has changed since the record was made.
+
+    Parameters
+    ----------
+    name : a key of :data:`STUDIES`
+
+    Returns
+    -------
+    bool
+    """
     return bool(load_record(name)["code"] != code_digest(STUDIES[name]))
 
 
@@ -159,44 +178,17 @@ def code_digest(study: Study) -> str:
     -------
     str of 16 hexadecimal digits
     """
-    files = sorted(_closure(study.module, with_readers=study.reads_recordings))
-    definitions = sorted(text for path in files for text in _definitions(path))
+    definitions = sorted(text for path in _files(study) for text in _definitions(path))
     return hashlib.sha256("\n".join(definitions).encode()).hexdigest()[:16]
 
 
-def _closure(module: str, *, with_readers: bool) -> set[Path]:
-    """Files of this package that a module imports, directly or through others."""
-    waiting, seen = [module], set()
-    while waiting:
-        path = _file(waiting.pop())
-        if path is None or path in seen:
-            continue
-        if path.parent.name == "readers" and not with_readers:
-            continue
-        seen.add(path)
-        waiting += _imports(path)
-    return seen
-
-
-def _file(module: str) -> Path | None:
-    parts = module.split(".")[1:]
-    for path in (
-        PACKAGE.joinpath(*parts).with_suffix(".py"),
-        PACKAGE.joinpath(*parts, "__init__.py"),
-    ):
-        if path.is_file():
-            return path
-    return None
-
-
-@cache
-def _imports(path: Path) -> tuple[str, ...]:
-    found = []
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mobility_imu"):
-            assert node.module is not None
-            found += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-    return tuple(found)
+def _files(study: Study) -> set[Path]:
+    """Files of this package whose code a study may call."""
+    start = file_of(study.module)
+    assert start is not None, f"no module {study.module}"
+    return reached(
+        [start], called, without=lambda p: p.parent.name == "readers" and not study.reads_recordings
+    )
 
 
 @cache
@@ -230,7 +222,12 @@ def _versions() -> dict[str, str]:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Renew records from the command line."""
+    """Renew records from the command line.
+
+    Parameters
+    ----------
+    arguments : of the command; None takes those of the process
+    """
     import argparse
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context

@@ -2,6 +2,8 @@
 
 import builtins
 import io
+import os
+import signal
 import sys
 import time
 import warnings
@@ -230,8 +232,8 @@ def process(monkeypatch, capfd):
     def leave(code):
         raise SystemExit(code)
 
-    monkeypatch.setattr(module.os, "_exit", leave)
-    monkeypatch.setattr(module.signal, "signal", lambda *a: None)
+    monkeypatch.setattr(os, "_exit", leave)
+    monkeypatch.setattr(signal, "signal", lambda *a: None)
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
 
     def process():

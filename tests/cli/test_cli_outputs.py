@@ -87,6 +87,16 @@ def test_no_output_replaces_one_file_of_an_xsens_export(room, fails):
     fails(*line, says=["Trial-frame.txt", "is an input"])
 
 
+@pytest.mark.parametrize("name", ["log.csv", "twin.csv", "/dev/fd/{}", "/dev/fd/../fd/{}"])
+def test_no_output_replaces_a_file_that_a_stream_goes_to(room, fails, name):
+    """``-o log >> log``, or ``-o /dev/stdout >> log``: the log stays."""
+    (room / "log.csv").write_text("what was there before")
+    os.link(room / "log.csv", room / "twin.csv")
+    with open(room / "log.csv", "a") as log:
+        line = command_line("scooter angles", o=name.format(log.fileno()))
+        fails(*line, says=["has open", "choose another name"])
+
+
 TWO = [
     (command, one, other)
     for command, (_, _, options) in COMMANDS.items()

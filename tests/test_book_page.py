@@ -1,0 +1,46 @@
+"""One page of the book by itself: what is laid out for it."""
+
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+BOOK = Path(__file__).resolve().parents[1] / "book"
+
+
+@pytest.fixture
+def page(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(str(BOOK))
+    import page
+
+    monkeypatch.setattr(page, "SOURCE", tmp_path / "source")
+    monkeypatch.setattr(page, "EXECUTED", tmp_path / "executed")
+    yield page
+    for name in ("page", "execute"):
+        sys.modules.pop(name, None)
+
+
+def test_a_page_is_laid_out_with_what_it_needs_and_nothing_else(page, tmp_path):
+    notebook = Path("notebooks/walker/steps.ipynb")
+    (tmp_path / "executed" / notebook.parent).mkdir(parents=True)
+    (tmp_path / "executed" / notebook).write_text("{}")
+    page.lay_out(Path("book/equations.md"))
+    page.lay_out(notebook)
+    laid = {p.relative_to(page.SOURCE).as_posix() for p in page.SOURCE.rglob("*") if p.is_file()}
+    pages = {name for name in laid if name.endswith((".md", ".ipynb"))}
+    assert pages == {"notebooks/walker/steps.ipynb", "book/bibliography.md"}
+    assert {"book/_config.yml", "book/references.bib", "pyproject.toml", "_toc.yml"} <= laid
+    toc = yaml.safe_load((page.SOURCE / "_toc.yml").read_text())
+    assert toc["root"] == "notebooks/walker/steps"
+    assert toc["chapters"] == [{"file": "book/bibliography"}]
+
+
+def test_what_did_not_change_stays_as_it_is(page):
+    """Sphinx reads again only what is newer than its own copy."""
+    page.lay_out(Path("book/bibliography.md"))
+    config = page.SOURCE / "book" / "_config.yml"
+    before = config.stat().st_mtime_ns
+    page.lay_out(Path("book/equations.md"))
+    assert config.stat().st_mtime_ns == before
+    assert "chapters" in (page.SOURCE / "_toc.yml").read_text()
