@@ -165,7 +165,7 @@ def steps_table(found: Trajectory, walk: Path, *, needed: bool) -> pd.DataFrame 
     -------
     DataFrame, or None if steps cannot be found
     """
-    from mobility_imu.walker.gait import find_steps
+    from mobility_imu.walker.steps import find_steps
 
     try:
         placed = find_steps(found)

@@ -11,8 +11,9 @@ from scipy import ndimage
 from mobility_imu.frames import FloatArray
 from mobility_imu.plots.style import COLOURS, CYCLE, HATCHES, LINE_STYLES, cue, use_style
 from mobility_imu.runs import runs_of
-from mobility_imu.walker.gait import TUG_PHASES, Steps, TimedUpAndGo
+from mobility_imu.walker.steps import Steps
 from mobility_imu.walker.stillness import StillnessSettings
+from mobility_imu.walker.walking_tests import TUG_PHASES, TimedUpAndGo
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -31,12 +31,8 @@ from mobility_imu.plots.drawing import (
 )
 from mobility_imu.plots.style import COLOURS, use_style
 from mobility_imu.plots.walker import HEIGHT_M
-from mobility_imu.walker.geometry import (
-    TILT_DIRECTIONS,
-    TiltDirection,
-    WalkerGeometry,
-    WalkerMount,
-)
+from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

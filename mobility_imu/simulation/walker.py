@@ -26,12 +26,8 @@ from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.recording import Recording
 from mobility_imu.simulation.kinematics import angular_rates, second_derivative
 from mobility_imu.simulation.sensor import MTI_1, SensorModel, measure
-from mobility_imu.walker.geometry import (
-    TILT_DIRECTIONS,
-    TiltDirection,
-    WalkerGeometry,
-    WalkerMount,
-)
+from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
 
 FAST_HZ = 500.0
 """Rate at which the true motion is written down; the fastest part, ringing, has 25 Hz."""

@@ -12,8 +12,10 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_vectors
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
-from mobility_imu.walker.calibration import SCALE_SD, navigate_recording
-from mobility_imu.walker.geometry import WalkerMount, rotation_world_to_imu
+from mobility_imu.walker.calibration import SCALE_SD
+from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.geometry import rotation_world_to_imu
+from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
 from mobility_imu.walker.stillness import StillnessSettings
 

@@ -11,7 +11,14 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.frames import FloatArray
 from mobility_imu.reproduction.claims import Claim, Quotation
 from mobility_imu.reproduction.walker import evidence
-from mobility_imu.walker.calibration import (
+from mobility_imu.walker.geometry import (
+    TiltDirection,
+    WalkerGeometry,
+    rotation_body_to_world,
+)
+from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.navigation import strapdown_rates
+from mobility_imu.walker.tilt_equations import (
     arm_angle,
     distance_to_edge,
     forward_axis,
@@ -21,13 +28,6 @@ from mobility_imu.walker.calibration import (
     quaternion_from_rotation,
     tilt_angle,
 )
-from mobility_imu.walker.geometry import (
-    TiltDirection,
-    WalkerGeometry,
-    WalkerMount,
-    rotation_body_to_world,
-)
-from mobility_imu.walker.navigation import strapdown_rates
 from mobility_imu.walker.trajectory import body_position, walking_displacement
 
 INPUTS = 1000

@@ -14,7 +14,13 @@ from mobility_imu.reproduction.walker.tables import (
     pose_translation,
     repaired_rotation,
 )
-from mobility_imu.walker.calibration import (
+from mobility_imu.walker.geometry import (
+    TiltDirection,
+    WalkerGeometry,
+    rotation_world_to_imu,
+)
+from mobility_imu.walker.navigation import NavigationState, error_dynamics, imu_output
+from mobility_imu.walker.tilt_equations import (
     arm_angle,
     position_four_tilts,
     position_two_tilts,
@@ -22,8 +28,6 @@ from mobility_imu.walker.calibration import (
     rotation_imu_to_body,
     tilt_quaternion,
 )
-from mobility_imu.walker.geometry import TiltDirection, WalkerGeometry, rotation_world_to_imu
-from mobility_imu.walker.navigation import NavigationState, error_dynamics, imu_output
 from mobility_imu.walker.trajectory import walking_displacement
 
 Evidences = tuple[Evidence, ...]

@@ -32,15 +32,13 @@ from mobility_imu.simulation.walker import (
     simulate_tilts,
     simulate_walk,
 )
-from mobility_imu.walker.calibration import (
-    Form,
-    Method,
-    calibrate_from_path,
-    navigate_recording,
-)
-from mobility_imu.walker.geometry import WalkerGeometry, WalkerMount
+from mobility_imu.walker.calibration import Method, calibrate_from_path
+from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.geometry import WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, NavigationSettings
 from mobility_imu.walker.stillness import StillnessSettings
+from mobility_imu.walker.tilt_equations import Form
 from mobility_imu.walker.trajectory import trajectory_from_path
 
 if TYPE_CHECKING:

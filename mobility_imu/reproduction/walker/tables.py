@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from mobility_imu.frames import FloatArray
 from mobility_imu.reproduction.published import load_published
-from mobility_imu.walker.geometry import WalkerMount
+from mobility_imu.walker.mount import WalkerMount
 
 POSES = ("1", "2", "3", "4", "5")
 PRINT_DEFECT = 0.0015

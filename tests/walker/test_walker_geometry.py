@@ -10,10 +10,10 @@ from mobility_imu.errors import InputError
 from mobility_imu.walker.geometry import (
     TILT_DIRECTIONS,
     WalkerGeometry,
-    WalkerMount,
     rotation_body_to_world,
     rotation_world_to_imu,
 )
+from mobility_imu.walker.mount import WalkerMount
 
 component = st.floats(-1, 1)
 

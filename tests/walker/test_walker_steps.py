@@ -22,10 +22,8 @@ from mobility_imu.simulation.walker import (
     simulate_walk,
 )
 from mobility_imu.walker import Trajectory, estimate_trajectory
-from mobility_imu.walker.gait import (
-    GaitSettings,
-    find_steps,
-    find_turns,
+from mobility_imu.walker.steps import GaitSettings, find_steps, find_turns
+from mobility_imu.walker.walking_tests import (
     path_at,
     six_minute_walk,
     ten_metre_walk,

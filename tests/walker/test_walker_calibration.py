@@ -30,15 +30,22 @@ from mobility_imu.walker import (
     calibrate_mount,
     estimate_trajectory,
 )
-from mobility_imu.walker.calibration import (
+from mobility_imu.walker.arc_fit import fit_arc
+from mobility_imu.walker.calibration import calibrate_from_path
+from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.geometry import TILT_DIRECTIONS, rotation_body_to_world
+from mobility_imu.walker.navigation import (
+    ClosedLoop,
+    NavigationSettings,
+    NavigationState,
+    integrate_strapdown,
+)
+from mobility_imu.walker.tilt_detection import find_tilts
+from mobility_imu.walker.tilt_equations import (
     arm_angle,
-    calibrate_from_path,
     distance_to_edge,
-    find_tilts,
-    fit_arc,
     forward_axis,
     imu_height,
-    navigate_recording,
     position_four_tilts,
     position_gain,
     position_two_tilts,
@@ -49,14 +56,11 @@ from mobility_imu.walker.calibration import (
     tilt_quaternion,
     tilt_rotation,
 )
-from mobility_imu.walker.geometry import TILT_DIRECTIONS, rotation_body_to_world
-from mobility_imu.walker.navigation import (
-    ClosedLoop,
-    NavigationSettings,
-    NavigationState,
-    integrate_strapdown,
+from mobility_imu.walker.trajectory import (
+    body_position,
+    trajectory_from_path,
+    walking_displacement,
 )
-from mobility_imu.walker.trajectory import body_position, trajectory_from_path, walking_displacement
 
 FRAME = WalkerGeometry(0.60, 0.52)
 DATASHEET = without(MTI_1, "scale_sd", "misalignment_sd_rad", "g_sensitivity_sd")
