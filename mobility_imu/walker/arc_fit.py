@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.results import Result
+
+__all__ = ["ArcFit", "fit_arc"]
+
+LEAST_TURN_RAD = float(np.deg2rad(1))
+"""With less of a turn the noise decides where the axis is."""
 
 
-class ArcFit(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class ArcFit(Result):
     """An axis fitted to the whole of a tilt.
 
     Parameters
@@ -37,17 +45,34 @@ def fit_arc(position_m: ArrayLike, rotation_imu_to_world: ArrayLike) -> ArcFit:
 
     Parameters
     ----------
-    position_m : (n, 3) array, m, world, upright to upright or to the end of the tilt
+    position_m : (n, 3) array, m, world, upright to upright or to the end of the tilt; three
+        samples or more
     rotation_imu_to_world : (n, 3, 3) array
 
     Returns
     -------
     ArcFit
+
+    Raises
+    ------
+    InputError
+        If there are too few samples, or the IMU turns by less than 1 deg.
     """
-    position = as_vectors(position_m, "position_m")
+    position = as_vectors(position_m, "position_m", ndim=2, finite=True)
     attitude = np.asarray(rotation_imu_to_world, float)
     count = len(position)
+    if attitude.shape != (count, 3, 3) or not np.isfinite(attitude).all():
+        raise InputError(
+            f"rotation_imu_to_world: expected ({count}, 3, 3) numbers, got {attitude.shape}"
+        )
+    if count < 3:
+        raise InputError(f"position_m: {count} sample(s), expected at least 3")
     turns = Rotation.from_matrix(attitude[0].T @ attitude).as_rotvec()
+    largest = float(np.linalg.norm(turns, axis=1).max())
+    if largest < LEAST_TURN_RAD:
+        raise InputError(
+            f"rotation_imu_to_world: turns by {np.rad2deg(largest):.2g} deg, expected 1 deg or more"
+        )
     _, _, directions = np.linalg.svd(turns, full_matrices=False)
     axis = directions[0] * np.sign(np.sum(turns @ directions[0]))
     # Two unknown components of the arm, in a basis at right angles to the axis.

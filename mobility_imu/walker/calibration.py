@@ -8,19 +8,22 @@ plane says how the IMU is turned, its radius how far from that edge it is.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.results import Result
 from mobility_imu.walker.arc_fit import ArcFit, fit_arc
 from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import (
     TILT_DIRECTIONS,
+    Edge,
     TiltDirection,
     WalkerGeometry,
     rotation_body_to_world,
@@ -45,15 +48,22 @@ from mobility_imu.walker.tilt_equations import (
     tilt_rotation,
 )
 
+__all__ = ["Method", "WalkerCalibration", "calibrate_from_path", "calibrate_mount"]
+
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
+_METHODS: tuple[Method, ...] = ("four-tilts", "two-tilts", "all-samples")
+
 SCALE_SD = 0.003
 MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))
-"""Errors of the sensor's scale and axes that we take for granted; no tilt shows them."""
+"""Assumed errors of the sensor's scale and axes; no tilt shows them."""
+_VELOCITY_TILT_RAD = float(np.deg2rad(3))
+# What an edge across x or across y says: the component of the position, and opposite edges.
+_ACROSS = {"front": 0, "back": 0, "right": 1, "left": 1}
 
 
-@dataclass(frozen=True)
-class MountCalibration:
-    """A mount with what is known of its errors.
+@dataclass(frozen=True, eq=False, repr=False)
+class WalkerCalibration(Result):
+    """A mount with its uncertainty, and what it was found with.
 
     Parameters
     ----------
@@ -63,6 +73,7 @@ class MountCalibration:
     footprint_m : width and length of the footprint as the arcs have it, NaN where not seen
     tilts : the tilts that were used
     warnings : what the user should know
+    geometry, method, form, settings, stillness : what it was found with
     """
 
     mount: WalkerMount
@@ -70,7 +81,26 @@ class MountCalibration:
     rotation_sd_rad: FloatArray
     footprint_m: tuple[float, float]
     tilts: tuple[Tilt, ...]
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+    geometry: WalkerGeometry = field(kw_only=True)
+    method: Method = field(kw_only=True)
+    form: Form = field(kw_only=True)
+    settings: NavigationSettings = field(default_factory=NavigationSettings, kw_only=True)
+    stillness: StillnessSettings = field(default_factory=StillnessSettings, kw_only=True)
+
+    def to_toml(self, path: str | Path | None = None) -> str:
+        """Geometry and mount as the text of a geometry file, with a comment on the tilts.
+
+        Parameters
+        ----------
+        path : file to write the text to; None writes none
+
+        Returns
+        -------
+        str
+        """
+        tilts = ", ".join(f"{t.direction} {np.rad2deg(t.angle_rad):.0f} deg" for t in self.tilts)
+        return self.mount.to_toml(path, geometry=self.geometry, comment=f"{self.method}: {tilts}")
 
 
 def calibrate_mount(
@@ -81,10 +111,10 @@ def calibrate_mount(
     form: Form = "corrected",
     smooth: bool = True,
     order: Sequence[TiltDirection] = TILT_DIRECTIONS,
-    velocity_tilt_rad: float = float(np.deg2rad(3)),
+    velocity_tilt_rad: float = _VELOCITY_TILT_RAD,
     settings: NavigationSettings | None = None,
     stillness: StillnessSettings | None = None,
-) -> MountCalibration:
+) -> WalkerCalibration:
     """Rotation and position of the IMU on the frame, from a recording of tilts.
 
     Parameters
@@ -97,20 +127,24 @@ def calibrate_mount(
     smooth : whether to smooth the path; the paper filters only
     order : directions of the tilts as they were made
     velocity_tilt_rad : rad, tilt at which "two-tilts" takes the velocity; the paper gives none
-    settings, stillness : see :func:`mobility_imu.walker.navigation.navigate`
+    settings : NavigationSettings of the filter
+    stillness : StillnessSettings of the detector
 
     Returns
     -------
-    MountCalibration; the standard deviations of "all-samples" are the scatter of the arcs with
+    WalkerCalibration; the standard deviations of "all-samples" are the scatter of the arcs with
         the effect of SCALE_SD and MISALIGNMENT_SD_RAD, but not of edges that slip
 
     Raises
     ------
     InputError
-        If the tilts that the method needs are not in the recording; the message says which.
+        If the tilts that the method needs are not in the recording (the message says which), or
+        an option has none of its values.
     """
+    one_of("method", method, _METHODS)
+    one_of("form", form, ("corrected", "printed"))
 
-    def calibrate(readings: Recording) -> MountCalibration:
+    def calibrate(readings: Recording) -> WalkerCalibration:
         path, said = navigate_recording(
             readings, smooth=smooth, settings=settings, stillness=stillness
         )
@@ -121,6 +155,8 @@ def calibrate_mount(
             form=form,
             order=order,
             velocity_tilt_rad=velocity_tilt_rad,
+            settings=settings,
+            stillness=stillness,
             warnings=said,
         )
 
@@ -136,16 +172,16 @@ def calibrate_mount(
 
 
 def _with_sensor_errors(
-    found: MountCalibration,
+    found: WalkerCalibration,
     recording: Recording,
-    calibrate: Callable[[Recording], MountCalibration],
-) -> MountCalibration:
+    calibrate: Callable[[Recording], WalkerCalibration],
+) -> WalkerCalibration:
     """Add what errors of the sensor's scale and axes do, by calibrating with each of them.
 
     No tilt shows them: a forward axis of the accelerometer that reads 0.3 % too much moves the
     height by 4 mm in the front and back tilts alike.
     """
-    imu = recording.sensor("frame", gyroscope=True)
+    acc, gyr = recording.sensor("frame").acc_mps2, recording.gyroscope("frame")
     place_var, turn_var = found.translation_sd_m**2, found.rotation_sd_rad**2
     for sensor in ("acc", "gyr"):
         for row in range(3):
@@ -153,7 +189,6 @@ def _with_sensor_errors(
                 size = SCALE_SD if row == column else MISALIGNMENT_SD_RAD
                 mixing = np.eye(3)
                 mixing[row, column] += size
-                acc, gyr = imu.acc_mps2, np.asarray(imu.gyr_radps)
                 wrong = Imu(acc @ mixing.T, gyr) if sensor == "acc" else Imu(acc, gyr @ mixing.T)
                 other = calibrate(Recording(recording.time_s, {"frame": wrong})).mount
                 place_var = (
@@ -173,29 +208,34 @@ def calibrate_from_path(
     method: Method = "all-samples",
     form: Form = "corrected",
     order: Sequence[TiltDirection] = TILT_DIRECTIONS,
-    velocity_tilt_rad: float = float(np.deg2rad(3)),
+    velocity_tilt_rad: float = _VELOCITY_TILT_RAD,
+    settings: NavigationSettings | None = None,
+    stillness: StillnessSettings | None = None,
     warnings: Sequence[str] = (),
-) -> MountCalibration:
-    """Do what :func:`calibrate_mount` does, from a path that is there already.
+) -> WalkerCalibration:
+    """Like :func:`calibrate_mount`, for an existing path of the IMU.
 
     Parameters
     ----------
     path : Navigation
     geometry, method, form, order, velocity_tilt_rad : as in :func:`calibrate_mount`
-    warnings : said before
+    settings, stillness : what the path was found with; the result carries them
+    warnings : of the path; they stand first on the result
 
     Returns
     -------
-    MountCalibration; its standard deviations are those of a sensor without errors of its axes
+    WalkerCalibration; its standard deviations are those of a sensor without errors of its axes
     """
-    if method not in ("four-tilts", "two-tilts", "all-samples"):
-        raise InputError(
-            f"method = {method!r}: expected 'four-tilts', 'two-tilts' or 'all-samples'"
-        )
+    one_of("method", method, _METHODS)
+    one_of("form", form, ("corrected", "printed"))
+    as_number(velocity_tilt_rad, "velocity_tilt_rad")
     tilts, said = find_tilts(path, order)
+    with_ = _Choice(
+        geometry, method, form, settings or NavigationSettings(), stillness or StillnessSettings()
+    )
     notes = [*warnings, *said]
     if method == "all-samples":
-        return _from_arcs(path, tilts, geometry, notes)
+        return _from_arcs(path, tilts, with_, notes)
     needed: tuple[TiltDirection, ...] = (
         TILT_DIRECTIONS if method == "four-tilts" else ("back", "right")
     )
@@ -207,18 +247,29 @@ def calibrate_from_path(
             f"'{method}' needs tilts to the {', '.join(needed)}; missing: "
             f"{', '.join(missing)}{more}"
         )
-    return _as_the_paper(path, have, needed, geometry, form, velocity_tilt_rad, notes)
+    return _as_the_paper(path, have, needed, with_, velocity_tilt_rad, notes)
+
+
+class _Choice(NamedTuple):
+    """What a calibration is made with; the result carries it."""
+
+    geometry: WalkerGeometry
+    method: Method
+    form: Form
+    settings: NavigationSettings
+    stillness: StillnessSettings
 
 
 def _as_the_paper(
     path: Navigation,
     have: Mapping[TiltDirection, Tilt],
     needed: Sequence[TiltDirection],
-    geometry: WalkerGeometry,
-    form: Form,
+    with_: _Choice,
     velocity_tilt_rad: float,
     notes: list[str],
-) -> MountCalibration:
+) -> WalkerCalibration:
+    """Mount by eqs 3 to 19, from the two ends of the tilts."""
+    geometry, form = with_.geometry, with_.form
     back = have["back"]
     displacement = tilt_displacement(path.position_m[back.span.start : back.top + 1])
     body = rotation_body_to_world(forward_axis(displacement))
@@ -251,13 +302,14 @@ def _as_the_paper(
             geometry.footprint_width_m,
         )
     unknown = np.full(3, np.nan)
-    return MountCalibration(
+    return WalkerCalibration(
         WalkerMount(imu_to_body, place),
         unknown,
         unknown,
         (np.nan, np.nan),
         tuple(have[name] for name in needed),
         tuple(notes),
+        **with_._asdict(),
     )
 
 
@@ -287,10 +339,11 @@ def _ill_conditioned(
 
 
 def _from_arcs(
-    path: Navigation, tilts: Sequence[Tilt], geometry: WalkerGeometry, notes: list[str]
-) -> MountCalibration:
-    pairs = {"front": 0, "back": 0, "right": 1, "left": 1}
-    if {pairs[tilt.direction] for tilt in tilts} != {0, 1}:
+    path: Navigation, tilts: Sequence[Tilt], with_: _Choice, notes: list[str]
+) -> WalkerCalibration:
+    """Mount from axes that are fitted to the whole arcs."""
+    geometry = with_.geometry
+    if {_ACROSS[tilt.direction] for tilt in tilts} != {0, 1}:
         raise InputError(
             f"tilts to the {', '.join(tilt.direction for tilt in tilts)} only: 'all-samples' needs "
             "one to the front or back, and one to the right or left"
@@ -298,18 +351,45 @@ def _from_arcs(
         )
     attitude = path.rotation_imu_to_world()
     fits = [fit_arc(path.position_m[tilt.span], attitude[tilt.span]) for tilt in tilts]
-    standing = np.concatenate([[tilt.span.start, tilt.span.stop - 1] for tilt in tilts])
-    up = attitude[standing, 2].mean(axis=0)
-    up /= np.linalg.norm(up)
     edges = [geometry.edge(tilt.direction) for tilt in tilts]
+    standing = np.concatenate([[tilt.span.start, tilt.span.stop - 1] for tilt in tilts])
+    imu_to_body = _rotation_from_arcs(attitude[standing, 2].mean(axis=0), fits, edges)
+    place, place_sd = _position_from_arcs(fits, tilts, edges, imu_to_body)
+    # The filter's errors of attitude are half angles.
+    level = 2 * float(np.mean(path.sd[standing, :3]))
+    footprint = _footprint(fits, tilts, imu_to_body)
+    notes += _footprint_warnings(footprint, geometry)
+    return WalkerCalibration(
+        WalkerMount(imu_to_body, place),
+        place_sd,
+        np.array([level, level, _heading_sd(fits, edges, imu_to_body)]),
+        footprint,
+        tuple(tilts),
+        tuple(notes),
+        **with_._asdict(),
+    )
+
+
+def _rotation_from_arcs(
+    up: FloatArray, fits: Sequence[ArcFit], edges: Sequence[Edge]
+) -> FloatArray:
+    """IMU to body: upright by the rests, turned about the vertical as the axes fit the edges."""
     turn, _ = Rotation.align_vectors(
         [[0.0, 0.0, 1.0], *(edge.axis for edge in edges)],
-        [up, *(fit.axis_imu for fit in fits)],
+        [up / np.linalg.norm(up), *(fit.axis_imu for fit in fits)],
         weights=[np.inf, *([1.0] * len(fits))],
     )
-    imu_to_body = turn.as_matrix()
-    # Each arc observes two components: the one across its edge, and the height. Opposite edges
-    # count alike, so that what both have in common (tape, ferrules) cancels.
+    return np.asarray(turn.as_matrix())
+
+
+def _position_from_arcs(
+    fits: Sequence[ArcFit], tilts: Sequence[Tilt], edges: Sequence[Edge], imu_to_body: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Position of the IMU in the body frame and its standard deviation, (3,) and (3,) in m.
+
+    Each arc observes two components: the one across its edge, and the height. Opposite edges
+    count alike, so that what both have in common (tape, ferrules) cancels.
+    """
     values: list[list[float]] = [[], [], []]
     weights: list[list[float]] = [[], [], []]
     names = [tilt.direction for tilt in tilts]
@@ -317,16 +397,33 @@ def _from_arcs(
     for fit, edge, name in zip(fits, edges, names, strict=True):
         arm = imu_to_body @ fit.arm_imu_m
         spread = imu_to_body @ fit.covariance_m2 @ imu_to_body.T
-        values[pairs[name]].append(float(arm[pairs[name]] + edge.point_m[pairs[name]]))
-        weights[pairs[name]].append(1 / max(variance * names.count(name), 1e-12))
+        across = _ACROSS[name]
+        values[across].append(float(arm[across] + edge.point_m[across]))
+        weights[across].append(1 / max(variance * names.count(name), 1e-12))
         values[2].append(float(arm[2]))
         weights[2].append(1 / max(spread[2, 2], 1e-12))
     place = np.array([np.average(v, weights=w) for v, w in zip(values, weights, strict=True)])
     sd = np.array([1 / np.sqrt(np.sum(w)) for w in weights])
-    if len(tilts) > 1:
-        # Where the heights disagree by more than they should, all are that much worse (Birge).
-        chi = float(np.sum(np.array(weights[2]) * (np.array(values[2]) - place[2]) ** 2))
-        sd[2] *= max(1.0, np.sqrt(chi / (len(tilts) - 1)))
+    sd[2] *= _birge_factor(values[2], weights[2])
+    return place, sd
+
+
+def _birge_factor(values: Sequence[float], weights: Sequence[float]) -> float:
+    """Factor, 1 or more, by which values scatter beyond their own variances (Birge ratio).
+
+    Parameters
+    ----------
+    values : repeated estimates of one quantity
+    weights : one over the variance of each
+    """
+    if len(values) < 2:
+        return 1.0
+    off = np.asarray(values) - np.average(values, weights=weights)
+    return max(1.0, float(np.sqrt(np.sum(np.asarray(weights) * off**2) / (len(values) - 1))))
+
+
+def _heading_sd(fits: Sequence[ArcFit], edges: Sequence[Edge], imu_to_body: FloatArray) -> float:
+    """Standard deviation of the mount about the vertical, rad, from how the axes miss the edges."""
     headings = []
     for fit, edge in zip(fits, edges, strict=True):
         across = imu_to_body @ fit.axis_imu
@@ -335,18 +432,7 @@ def _from_arcs(
                 edge.axis[0] * across[1] - edge.axis[1] * across[0], edge.axis[:2] @ across[:2]
             )
         )
-    level = 2 * float(np.mean(path.sd[standing, :3]))
-    yaw_sd = float(np.std(headings, ddof=1)) / np.sqrt(len(headings))
-    footprint = _footprint(fits, tilts, imu_to_body)
-    notes += _footprint_doubts(footprint, geometry)
-    return MountCalibration(
-        WalkerMount(imu_to_body, place),
-        sd,
-        np.array([level, level, yaw_sd]),
-        footprint,
-        tuple(tilts),
-        tuple(notes),
-    )
+    return float(np.std(headings, ddof=1)) / float(np.sqrt(len(headings)))
 
 
 def _footprint(
@@ -355,13 +441,12 @@ def _footprint(
     """Width and length between opposite edges, NaN where only one of them was used."""
     arms: dict[str, list[float]] = {name: [] for name in TILT_DIRECTIONS}
     for fit, tilt in zip(fits, tilts, strict=True):
-        axis = 0 if tilt.direction in ("front", "back") else 1
-        arms[tilt.direction].append(float((imu_to_body @ fit.arm_imu_m)[axis]))
+        arms[tilt.direction].append(float((imu_to_body @ fit.arm_imu_m)[_ACROSS[tilt.direction]]))
     middle = {name: float(np.mean(v)) if v else np.nan for name, v in arms.items()}
     return middle["right"] - middle["left"], middle["back"] - middle["front"]
 
 
-def _footprint_doubts(footprint: tuple[float, float], geometry: WalkerGeometry) -> list[str]:
+def _footprint_warnings(footprint: tuple[float, float], geometry: WalkerGeometry) -> list[str]:
     measured = (geometry.footprint_width_m, geometry.footprint_length_m)
     swapped = [abs(f - m) for f, m in zip(footprint, measured[::-1], strict=True)]
     apart = [abs(f - m) for f, m in zip(footprint, measured, strict=True)]

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, as_rotation, as_vectors
 from mobility_imu.readers.geometry import find_table, read_arrays
+from mobility_imu.results import Result
+
+if TYPE_CHECKING:
+    from mobility_imu.walker.geometry import WalkerGeometry
+
+__all__ = ["WalkerMount"]
 
 
-@dataclass(frozen=True)
-class WalkerMount:
+@dataclass(frozen=True, eq=False, repr=False)
+class WalkerMount(Result):
     """How the IMU is fixed to the walking frame.
 
     Parameters
@@ -35,37 +42,36 @@ class WalkerMount:
     translation_sd_m: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what is no rotation, or no place on a walking frame."""
-        rotation = np.asarray(self.rotation_imu_to_body, float)
-        place = np.asarray(self.translation_body_m, float)
-        if rotation.shape != (3, 3) or not np.isfinite(rotation).all():
-            raise InputError("rotation_imu_to_body: expected three rows of three numbers")
-        defect = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
-        if defect > 1e-3 or np.linalg.det(rotation) < 0:
-            raise InputError(
-                f"rotation_imu_to_body: not a rotation (C C' is off 1 by {defect:.2g}, "
-                f"determinant {np.linalg.det(rotation):.4f})"
-            )
-        if place.shape != (3,) or not np.isfinite(place).all():
-            raise InputError("translation_body_m: expected three numbers")
+        """Check that the matrix is a rotation and the position within reach."""
+        arrays = {
+            "rotation_imu_to_body": as_rotation(self.rotation_imu_to_body, "rotation_imu_to_body"),
+            "translation_body_m": as_vectors(
+                self.translation_body_m, "translation_body_m", ndim=1, finite=True
+            ),
+        }
+        place = arrays["translation_body_m"]
         if np.abs(place).max() > 2:
             raise InputError(
                 f"translation_body_m = {place.tolist()}: expected within 2 m (in cm or mm?)"
             )
         for name in ("rotation_sd_rad", "translation_sd_m"):
             value = getattr(self, name)
-            if value is None:
-                continue
-            spread = np.asarray(value, float)
-            if spread.shape != (3,) or not (spread >= 0).all():
-                raise InputError(f"{name}: expected three numbers that are not negative")
-            object.__setattr__(self, name, spread)
-        object.__setattr__(self, "rotation_imu_to_body", rotation)
-        object.__setattr__(self, "translation_body_m", place)
+            if value is not None:
+                arrays[name] = as_vectors(value, name, ndim=1, finite=True)
+                if (arrays[name] < 0).any():
+                    raise InputError(f"{name}: expected three numbers that are not negative")
+        for name, array in arrays.items():
+            object.__setattr__(self, name, array.copy())
+        super().__post_init__()
 
     @classmethod
     def from_toml(cls, path: str | Path) -> WalkerMount:
-        """Read section [walker.mount], as ``mobility-imu walker calibrate`` writes it."""
+        """Mount from section [walker.mount], as ``mobility-imu walker calibrate`` writes it.
+
+        Parameters
+        ----------
+        path : TOML file
+        """
         found = read_arrays(
             path, "walker.mount", {"rotation_imu_to_body": (3, 3), "translation_body_m": (3,)}
         )
@@ -82,3 +88,40 @@ class WalkerMount:
             return cls(**found)
         except InputError as error:
             raise InputError(f"{path}, [walker.mount]: {error}") from None
+
+    def to_toml(
+        self,
+        path: str | Path | None = None,
+        *,
+        geometry: WalkerGeometry | None = None,
+        comment: str = "",
+    ) -> str:
+        """Section [walker.mount] as the text of a geometry file.
+
+        Parameters
+        ----------
+        path : file to write the text to; None writes none
+        geometry : WalkerGeometry, written before it as section [walker]
+        comment : line of text that stands first in the section, such as how the mount was found
+
+        Returns
+        -------
+        str
+        """
+        lines = ["[walker.mount]", *([f"# {comment}"] if comment else [])]
+        for name, digits in (
+            ("translation_sd_m", 5),
+            ("rotation_sd_rad", 5),
+            ("rotation_imu_to_body", 6),
+            ("translation_body_m", 4),
+        ):
+            value = getattr(self, name)
+            if value is not None:
+                rounded = np.vectorize(lambda v, digits=digits: round(float(v), digits))(value)
+                lines.append(f"{name} = {rounded.tolist()}")
+        text = "\n".join(lines) + "\n"
+        if geometry is not None:
+            text = f"{geometry.to_toml()}\n{text}"
+        if path is not None:
+            Path(path).write_text(text, encoding="utf-8")
+        return text

@@ -1,4 +1,4 @@
-"""Steps of a walking frame, and what walking tests make of them. Goes past the paper.
+"""Steps and turns of a walking frame. Goes past the paper.
 
 A step is: lift the frame, put it down elsewhere, stand. Everything here is about the frame. The
 user's own feet, left and right, sitting down and standing up, load and balance leave no trace that
@@ -7,13 +7,15 @@ could be read from an IMU on the frame.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, check_positive
+from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.trajectory import Trajectory
@@ -21,7 +23,8 @@ from mobility_imu.walker.trajectory import Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
-_STILLNESS = StillnessSettings()
+__all__ = ["GaitSettings", "Steps", "Turns", "find_steps", "find_turns"]
+
 _LONGEST_SWING_S = 3.0
 """Nobody who walks holds the frame up for longer: such a move will be several."""
 _STANDING_TILT_RAD = float(np.deg2rad(2))
@@ -36,25 +39,20 @@ class GaitSettings:
     ----------
     least_length_m : m, a move of the body's origin by this much is a step
     least_turn_rad : rad, and so is one that turns by this much, even on the spot
-    margin_s : s, what the stillness detector takes off each end of a still stretch: the sum of
-        ``margin_s`` and ``shorten_s`` of the settings that it ran with
     """
 
     least_length_m: float = 0.05
     least_turn_rad: float = float(np.deg2rad(5))
-    margin_s: float = _STILLNESS.margin_s + _STILLNESS.shorten_s
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be a setting."""
-        for name, value in vars(self).items():
-            if not np.isfinite(value) or value < 0 or (value == 0 and name != "margin_s"):
-                raise InputError(f"{name} = {value}: expected a positive number")
+        """Check that both are positive, and the turn an angle in rad."""
+        check_positive(self)
         if self.least_turn_rad > np.pi / 2:
             raise InputError(f"least_turn_rad = {self.least_turn_rad}: expected rad (in deg?)")
 
 
-@dataclass(frozen=True)
-class Steps:
+@dataclass(frozen=True, eq=False, repr=False)
+class Steps(Result):
     """Steps of the frame, one entry each, in their order; the world is that of the trajectory.
 
     Parameters
@@ -71,7 +69,10 @@ class Steps:
         before
     place_m : (k, 2) array, m, where the body's origin is put down
     start_m : (2,) array, m, where it stood before the first step
+    recorded_s : (2,) array, s, first and last time of the recording
     warnings : what the user should know
+    settings : GaitSettings that they were found with
+    stillness : StillnessSettings of the detector that found the rests
     """
 
     lift_s: FloatArray
@@ -85,10 +86,13 @@ class Steps:
     pitch_rad: FloatArray
     place_m: FloatArray
     start_m: FloatArray
+    recorded_s: FloatArray
     warnings: tuple[str, ...] = ()
+    settings: GaitSettings = field(default_factory=GaitSettings, kw_only=True)
+    stillness: StillnessSettings = field(default_factory=StillnessSettings, kw_only=True)
 
     def __len__(self) -> int:
-        """Give the number of steps."""
+        """Return the number of steps."""
         return len(self.lift_s)
 
     @property
@@ -98,7 +102,7 @@ class Steps:
         return np.asarray(np.cumsum(np.linalg.norm(legs, axis=1)))
 
     def to_frame(self) -> pd.DataFrame:
-        """Give the table that ``mobility-imu walker trajectory --steps`` writes."""
+        """Table that ``mobility-imu walker trajectory --steps`` writes."""
         import pandas as pd
 
         return pd.DataFrame(
@@ -121,26 +125,27 @@ class Steps:
 def find_steps(trajectory: Trajectory, settings: GaitSettings | None = None) -> Steps:
     """Cut a walk into the steps of the frame.
 
-    A move is what lies between two still stretches. It is a step if it goes far enough or turns
+    A move is what lies between two still intervals. It is a step if it goes far enough or turns
     far enough; any other, as from rocking, belongs to the stance around it and does not split it.
-    A move that the recording begins or ends in is left out, and said.
+    A move that the recording begins or ends in is left out, with a warning.
 
     Parameters
     ----------
-    trajectory : Trajectory
+    trajectory : Trajectory; it knows the settings of its stillness detector
     settings : GaitSettings
 
     Returns
     -------
     Steps
-        Both times are brought in by ``margin_s``. What is left is about a tenth of a second: the
-        detector's running means see a move a little before it begins, and late if it begins
-        gently.
+        Both times are brought in by what the detector takes off the ends of a rest. What is left
+        is about a tenth of a second: its running means see a move a little before it begins, and
+        late if it begins gently.
 
     Raises
     ------
     InputError
-        If the frame never stands, or a move lasts less than twice ``margin_s``.
+        If the frame never stands, or a move is shorter than what the detector took off both rests
+        around it.
     """
     settings = settings or GaitSettings()
     time, still = trajectory.time_s, trajectory.stationary
@@ -148,6 +153,7 @@ def find_steps(trajectory: Trajectory, settings: GaitSettings | None = None) -> 
         raise InputError("trajectory: the frame never stands still, so no step begins or ends")
     moves = runs_of(~still)
     warnings = []
+    margin_s = trajectory.stillness.eroded_s
     if moves and moves[0].start == 0:
         warnings.append(
             f"the recording begins in a move, left out: until {time[moves[0].stop]:g} s"
@@ -164,17 +170,20 @@ def find_steps(trajectory: Trajectory, settings: GaitSettings | None = None) -> 
     length = np.linalg.norm(way, axis=1)
     is_step = (length >= settings.least_length_m) | (np.abs(turn) >= settings.least_turn_rad)
     from_, to, way, turn, length = (part[is_step] for part in (from_, to, way, turn, length))
-    lift, place = time[from_] + settings.margin_s, time[to] - settings.margin_s
+    lift, place = time[from_] + margin_s, time[to] - margin_s
     if (place < lift).any():
         raise InputError(
-            f"margin_s = {settings.margin_s}: longer than half of the move at "
-            f"{time[from_[np.argmax(place < lift)]]:g} s (was the detector set otherwise?)"
+            f"margin_s and shorten_s of the stillness detector, {margin_s:g} s in all, are longer "
+            f"than half of the move at {time[from_[np.argmax(place < lift)]]:g} s: make them "
+            "shorter"
         )
     pitch = np.arcsin(np.clip(trajectory.rotation_body_to_world[:, 2, 0], -1, 1))
     shape = [_height_and_pitch(trajectory, pitch, a, b) for a, b in zip(from_, to, strict=True)]
     height, tilt = np.array(shape, float).reshape(-1, 2).T
     swing = place - lift
-    warnings += _doubts(trajectory, swing)
+    warnings += _uncertain_count(trajectory, swing)
+    if not len(lift):
+        warnings.append("no step found: is it a walk?")
     course = np.arctan2(way[:, 1], way[:, 0])
     return Steps(
         lift_s=lift,
@@ -188,7 +197,10 @@ def find_steps(trajectory: Trajectory, settings: GaitSettings | None = None) -> 
         pitch_rad=tilt,
         place_m=floor[to],
         start_m=floor[from_[0]] if len(from_) else floor[np.argmax(still)],
+        recorded_s=time[[0, -1]],
         warnings=tuple(warnings),
+        settings=settings,
+        stillness=trajectory.stillness,
     )
 
 
@@ -201,8 +213,8 @@ def _height_and_pitch(
     return float((z - line).max()), float((pitch[here] - pitch[from_]).max())
 
 
-def _doubts(trajectory: Trajectory, swing_s: FloatArray) -> list[str]:
-    """What makes a count doubtful: moves with no stand between them, stands in the air."""
+def _uncertain_count(trajectory: Trajectory, swing_s: FloatArray) -> list[str]:
+    """What makes a count uncertain: moves with no stand between them, stands in the air."""
     doubts = []
     limit = min(_LONGEST_SWING_S, 2 * float(np.median(swing_s))) if len(swing_s) else 0.0
     long = swing_s > limit
@@ -224,7 +236,8 @@ def _doubts(trajectory: Trajectory, swing_s: FloatArray) -> list[str]:
     return doubts
 
 
-class Turns(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class Turns(Result):
     """Turns of a walk: consecutive steps that turn, all in one sense.
 
     Parameters
@@ -237,24 +250,40 @@ class Turns(NamedTuple):
     start_s: FloatArray
     stop_s: FloatArray
     angle_rad: FloatArray
-    first_step: np.ndarray
-    last_step: np.ndarray
+    first_step: NDArray[np.int64]
+    last_step: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        """Return the number of turns."""
+        return len(self.angle_rad)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Table with one row per turn; steps are counted from 1, as in the table of the steps."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "start_s": self.start_s,
+                "stop_s": self.stop_s,
+                "turn_deg": np.rad2deg(self.angle_rad),
+                "first_step": self.first_step + 1,
+                "last_step": self.last_step + 1,
+            }
+        )
 
 
-def find_turns(steps: Steps, settings: GaitSettings | None = None) -> Turns:
-    """Join consecutive turning steps of one sense to turns.
+def find_turns(steps: Steps) -> Turns:
+    """Turns: consecutive turning steps of one sense, joined.
 
     Parameters
     ----------
-    steps : Steps
-    settings : GaitSettings, whose ``least_turn_rad`` makes a step a turning one
+    steps : Steps; ``least_turn_rad`` of their settings makes a step a turning one
 
     Returns
     -------
     Turns
     """
-    settings = settings or GaitSettings()
-    sense = np.sign(steps.turn_rad) * (np.abs(steps.turn_rad) >= settings.least_turn_rad)
+    sense = np.sign(steps.turn_rad) * (np.abs(steps.turn_rad) >= steps.settings.least_turn_rad)
     runs = [run for side in (-1, 1) for run in runs_of(sense == side)]
     runs.sort(key=lambda run: run.start)
     first, last = np.array([(r.start, r.stop - 1) for r in runs], int).reshape(-1, 2).T

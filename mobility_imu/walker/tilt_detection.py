@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,8 @@ from mobility_imu.runs import runs_of
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection
 from mobility_imu.walker.navigation import Navigation
 
+__all__ = ["Tilt", "find_tilts"]
+
 LEAST_TILT_RAD = float(np.deg2rad(10))
 """A tilt of less says little. The error of a distance grows as one over the angle."""
 _NOTICED_RAD = float(np.deg2rad(3))
@@ -23,8 +25,9 @@ _DIRECTED_RAD = float(np.deg2rad(5))
 _AROUND: tuple[TiltDirection, ...] = ("front", "left", "back", "right")
 
 
-class Tilt(NamedTuple):
-    """A tilt that was found in a recording.
+@dataclass(frozen=True)
+class Tilt:
+    """A tilt in a recording.
 
     Parameters
     ----------

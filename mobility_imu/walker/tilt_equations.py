@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.frames import FloatArray, as_number, as_rotation, as_vectors, one_of
 from mobility_imu.walker.geometry import (
     TILT_DIRECTIONS,
     TiltDirection,
@@ -17,7 +17,26 @@ from mobility_imu.walker.geometry import (
     rotation_world_to_imu,
 )
 
+__all__ = [
+    "Form",
+    "arm_angle",
+    "distance_to_edge",
+    "forward_axis",
+    "imu_height",
+    "position_four_tilts",
+    "position_gain",
+    "position_two_tilts",
+    "quaternion_from_rotation",
+    "rotation_imu_to_body",
+    "tilt_angle",
+    "tilt_displacement",
+    "tilt_quaternion",
+    "tilt_rotation",
+]
+
 Form = Literal["corrected", "printed"]
+"""The equations as we correct them, or as they are printed."""
+_FORMS: tuple[Form, ...] = ("corrected", "printed")
 
 
 def tilt_displacement(position_m: ArrayLike) -> FloatArray:
@@ -28,13 +47,16 @@ def tilt_displacement(position_m: ArrayLike) -> FloatArray:
 
     Parameters
     ----------
-    position_m : (n, 3) array, m, world, from the first to the last sample of the tilting movement
+    position_m : (n, 3) array, m, world, from the first to the last sample of the tilting movement;
+        two samples or more
 
     Returns
     -------
     (3,) array, m
     """
-    position = as_vectors(position_m, "position_m")
+    position = as_vectors(position_m, "position_m", ndim=2)
+    if len(position) < 2:
+        raise InputError(f"position_m: {len(position)} sample(s), expected both ends of a tilt")
     return np.asarray(position[0] - position[-1])
 
 
@@ -49,7 +71,7 @@ def forward_axis(displacement_m: ArrayLike) -> FloatArray:
     -------
     (3,) array, horizontal unit vector
     """
-    x, y, _ = as_vectors(displacement_m, "displacement_m")
+    x, y, _ = as_vectors(displacement_m, "displacement_m", ndim=1)
     length = float(np.hypot(x, y))
     if not length > 1e-6:
         raise InputError("displacement_m: no horizontal part, so no forward direction")
@@ -71,8 +93,8 @@ def rotation_imu_to_body(rotation_body_to_world: ArrayLike, quaternion: ArrayLik
     -------
     (3, 3) array
     """
-    to_world = rotation_world_to_imu(quaternion).T
-    return np.asarray(np.asarray(rotation_body_to_world, float).T @ to_world)
+    to_world = rotation_world_to_imu(_one_quaternion(quaternion)).T
+    return np.asarray(as_rotation(rotation_body_to_world, "rotation_body_to_world").T @ to_world)
 
 
 def tilt_rotation(
@@ -91,7 +113,7 @@ def tilt_rotation(
     (3, 3) array
     """
     imu_at_end = rotation_imu_to_body(rotation_body_to_world, quaternion)
-    return np.asarray(imu_at_end @ np.asarray(imu_to_body, float).T)
+    return np.asarray(imu_at_end @ as_rotation(imu_to_body, "imu_to_body").T)
 
 
 def quaternion_from_rotation(rotation: ArrayLike) -> FloatArray:
@@ -109,7 +131,7 @@ def quaternion_from_rotation(rotation: ArrayLike) -> FloatArray:
     -------
     (4,) array
     """
-    c = np.asarray(rotation, float)
+    c = as_rotation(rotation, "rotation")
     scalar = 0.5 * np.sqrt(max(np.trace(c) + 1, 0.0))
     if scalar < 0.05:
         raise InputError("rotation: eq. 10 does not hold near half a turn")
@@ -129,9 +151,9 @@ def tilt_quaternion(axis: ArrayLike, angle_rad: float) -> FloatArray:
     -------
     (4,) array, scalar first
     """
-    return np.concatenate(
-        [[np.cos(angle_rad / 2)], np.sin(angle_rad / 2) * np.asarray(axis, float)]
-    )
+    direction = as_vectors(axis, "axis", ndim=1, finite=True)
+    half = as_number(angle_rad, "angle_rad", negative=True) / 2
+    return np.concatenate([[np.cos(half)], np.sin(half) * direction])
 
 
 def tilt_angle(quaternion: ArrayLike, *, form: Form = "corrected") -> float:
@@ -144,8 +166,8 @@ def tilt_angle(quaternion: ArrayLike, *, form: Form = "corrected") -> float:
     quaternion : (4,) array, scalar first
     form : "corrected" (arc tangent) or "printed" (arc cosine)
     """
-    q = np.asarray(quaternion, float)
-    if form == "printed":
+    q = _one_quaternion(quaternion)
+    if one_of("form", form, _FORMS) == "printed":
         return float(2 * np.arccos(np.clip(q[0], -1, 1)))
     return float(2 * np.arctan2(np.linalg.norm(q[1:]), abs(q[0])))
 
@@ -158,9 +180,8 @@ def distance_to_edge(displacement_m: float, angle_rad: float) -> float:
     displacement_m : m, length of the chord between the two ends of the arc
     angle_rad : rad, angle between them
     """
-    if not angle_rad > 0:
-        raise InputError(f"angle_rad = {angle_rad}: expected a positive angle")
-    return float(displacement_m / (2 * np.sin(angle_rad / 2)))
+    angle = as_number(angle_rad, "angle_rad")
+    return float(as_number(displacement_m, "displacement_m", zero=True) / (2 * np.sin(angle / 2)))
 
 
 def imu_height(distances_m: Mapping[TiltDirection, float], geometry: WalkerGeometry) -> float:
@@ -179,12 +200,13 @@ def imu_height(distances_m: Mapping[TiltDirection, float], geometry: WalkerGeome
     InputError
         If two distances do not reach across the footprint, so that there is no such triangle.
     """
+    distances = _four_distances(distances_m)
     total = 0.0
     for base, one, other in (
         (geometry.footprint_width_m, "right", "left"),
         (geometry.footprint_length_m, "front", "back"),
     ):
-        a, b = distances_m[one], distances_m[other]  # type: ignore[index]
+        a, b = distances[one], distances[other]
         p = (base + a + b) / 2
         square = p * (p - base) * (p - a) * (p - b)
         if square < 0:
@@ -223,6 +245,7 @@ def position_four_tilts(
     InputError
         If a root of the printed form has no real value.
     """
+    one_of("form", form, _FORMS)
     height = imu_height(distances_m, geometry)
     d1, d2, d3, d4 = (distances_m[name] for name in TILT_DIRECTIONS)
     if form == "printed":
@@ -252,12 +275,12 @@ def arm_angle(velocity_mps: ArrayLike, *, tilt_rad: float = 0.0) -> float:
     velocity_mps : (3,) array, m/s, world
     tilt_rad : rad, tilt at that moment; 0 for the printed form, which is exact at the very start
     """
-    velocity = as_vectors(velocity_mps, "velocity_mps")
+    velocity = as_vectors(velocity_mps, "velocity_mps", ndim=1)
     speed = float(np.linalg.norm(velocity))
     if not speed > 0:
         raise InputError("velocity_mps: zero, so without a direction")
     beta = np.arccos(np.clip(velocity[2] / speed, -1, 1))
-    return float(np.pi / 2 - beta + tilt_rad)
+    return float(np.pi / 2 - beta + as_number(tilt_rad, "tilt_rad", negative=True))
 
 
 def position_two_tilts(
@@ -279,6 +302,8 @@ def position_two_tilts(
     -------
     (3,) array, m
     """
+    for name, distance in (("back", distance_back_m), ("right", distance_right_m)):
+        as_number(distance, f"distance_{name}_m")
     return np.array(
         [
             distance_back_m * np.sin(arm_back_rad),
@@ -289,7 +314,10 @@ def position_two_tilts(
 
 
 def position_gain(
-    distances_m: Mapping[TiltDirection, float], geometry: WalkerGeometry, *, form: Form
+    distances_m: Mapping[TiltDirection, float],
+    geometry: WalkerGeometry,
+    *,
+    form: Form = "corrected",
 ) -> FloatArray:
     """How much an error of the distances grows in each component of eq. 15: row norms of its slope.
 
@@ -310,3 +338,21 @@ def position_gain(
 
     slopes = [(moved(name, step) - moved(name, -step)) / (2 * step) for name in TILT_DIRECTIONS]
     return np.asarray(np.linalg.norm(slopes, axis=0))
+
+
+def _one_quaternion(quaternion: ArrayLike) -> FloatArray:
+    """One quaternion, checked for its shape; its length is checked where it becomes a matrix."""
+    q = np.asarray(quaternion, float)
+    if q.shape != (4,):
+        raise InputError(f"quaternion: expected shape (4,), got {q.shape}")
+    return q
+
+
+def _four_distances(distances_m: Mapping[TiltDirection, float]) -> dict[str, float]:
+    """Distances to all four edges, each a positive number."""
+    missing = [name for name in TILT_DIRECTIONS if name not in distances_m]
+    if missing:
+        raise InputError(f"distances_m: no distance to the {', '.join(missing)} edge")
+    return {
+        name: as_number(distances_m[name], f"distances_m[{name!r}]") for name in TILT_DIRECTIONS
+    }

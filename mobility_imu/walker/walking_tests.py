@@ -6,20 +6,34 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
-from mobility_imu.walker.steps import GaitSettings, Steps, Turns, find_turns
-from mobility_imu.walker.trajectory import Trajectory
+from mobility_imu.frames import FloatArray, as_number, one_of
+from mobility_imu.results import Result
+from mobility_imu.walker.steps import Steps, Turns, find_turns
 
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = [
+    "TUG_PHASES",
+    "TimedUpAndGo",
+    "WalkTest",
+    "WalkingSummary",
+    "path_at",
+    "six_minute_walk",
+    "ten_metre_walk",
+    "time_at",
+    "timed_up_and_go",
+    "walking_summary",
+]
+
 _ROUNDING_M = 1e-9
 
 
-@dataclass(frozen=True)
-class WalkingSummary:
+@dataclass(frozen=True, eq=False, repr=False)
+class WalkingSummary(Result):
     """A walk in a few numbers; all of the frame, none of the feet.
 
     Parameters
@@ -34,6 +48,7 @@ class WalkingSummary:
         beside the straight line: a little longer than the course
     mean_speed_mps : m/s, that path from the first lift to the last placement, turns included
     turns : Turns
+    warnings : those of the steps
     """
 
     step_count: int
@@ -47,40 +62,39 @@ class WalkingSummary:
     path_m: float
     mean_speed_mps: float
     turns: Turns
+    warnings: tuple[str, ...] = ()
 
     def to_frame(self) -> pd.DataFrame:
-        """Give one row of numbers, with the number of turns and their sum without sign."""
+        """One row of numbers, with the number of turns and their sum without sign."""
         import pandas as pd
 
-        row = {name: value for name, value in vars(self).items() if name != "turns"}
+        row = {
+            name: value for name, value in vars(self).items() if name not in ("turns", "warnings")
+        }
         row["turn_count"] = len(self.turns.angle_rad)
         row["turned_deg"] = float(np.rad2deg(np.abs(self.turns.angle_rad).sum()))
         return pd.DataFrame([row])
 
 
-def walking_summary(
-    steps: Steps, trajectory: Trajectory, settings: GaitSettings | None = None
-) -> WalkingSummary:
-    """Sum a walk up.
+def walking_summary(steps: Steps) -> WalkingSummary:
+    """Number, cadence, lengths, times and speed of the frame's steps in a walk.
 
     Parameters
     ----------
     steps : Steps
-    trajectory : Trajectory that they were found in
-    settings : GaitSettings that they were found with
 
     Returns
     -------
     WalkingSummary
-        What takes more steps than there are is NaN.
+        What needs more steps than there are is NaN.
 
     Raises
     ------
     InputError
         If there is no step.
     """
-    _check(trajectory, steps)
-    going = steps.length_m[np.abs(steps.turn_rad) < (settings or GaitSettings()).least_turn_rad]
+    _check(steps)
+    going = steps.length_m[np.abs(steps.turn_rad) < steps.settings.least_turn_rad]
     count = len(steps)
     between = steps.lift_s[-1] - steps.lift_s[0]
     path = float(steps.path_m[-1])
@@ -96,7 +110,8 @@ def walking_summary(
         stance_cv=stance[1],
         path_m=path,
         mean_speed_mps=path / float(steps.place_s[-1] - steps.lift_s[0]),
-        turns=find_turns(steps, settings),
+        turns=find_turns(steps),
+        warnings=steps.warnings,
     )
 
 
@@ -118,8 +133,10 @@ def path_at(steps: Steps, time_s: float) -> float:
     steps : Steps, at least one
     time_s : s
     """
+    _check(steps)
+    time = as_number(time_s, "time_s", negative=True)
     knots = np.r_[steps.lift_s[0], steps.place_s]
-    return float(np.interp(time_s, knots, np.r_[0.0, steps.path_m]))
+    return float(np.interp(time, knots, np.r_[0.0, steps.path_m]))
 
 
 def time_at(steps: Steps, path_m: float) -> float:
@@ -133,15 +150,17 @@ def time_at(steps: Steps, path_m: float) -> float:
     Raises
     ------
     InputError
-        If the way is shorter.
+        If the way is shorter, or there is no step.
     """
+    _check(steps)
+    as_number(path_m, "path_m", zero=True)
     path = steps.path_m
     if path_m > path[-1] + _ROUNDING_M:
         raise InputError(f"the walk is {path[-1]:.2f} m long: shorter than {path_m:g} m")
     knots, way = np.r_[steps.lift_s[0], steps.place_s], np.r_[0.0, path]
     k = max(int(np.searchsorted(way, path_m - _ROUNDING_M)), 1)
-    share = (path_m - way[k - 1]) / (way[k] - way[k - 1])
-    return float(knots[k - 1] + np.clip(share, 0, 1) * (knots[k] - knots[k - 1]))
+    fraction = (path_m - way[k - 1]) / (way[k] - way[k - 1])
+    return float(knots[k - 1] + np.clip(fraction, 0, 1) * (knots[k] - knots[k - 1]))
 
 
 @dataclass(frozen=True)
@@ -172,14 +191,13 @@ class WalkTest:
 
 
 def ten_metre_walk(
-    trajectory: Trajectory,
     steps: Steps,
     *,
     start: Literal["static", "rolling"],
     distance_m: float = 10.0,
     run_up_m: float = 2.0,
 ) -> WalkTest:
-    """Time over a stretch of the way, as in the 10-Metre Walk Test.
+    """Time over a part of the way, as in the 10-Metre Walk Test.
 
     The middle of the rear tips passes the lines here, in a test the leading foot. Between two
     placements the way grows evenly, see :func:`path_at`; the frame itself, which stands first and
@@ -187,8 +205,7 @@ def ten_metre_walk(
 
     Parameters
     ----------
-    trajectory : Trajectory
-    steps : Steps found in it
+    steps : Steps
     start : "static": from the first lift, over the whole distance; "rolling": without the first
         and the last ``run_up_m`` of the distance, so 6 m of 10 m
     distance_m, run_up_m : m
@@ -202,28 +219,25 @@ def ten_metre_walk(
     InputError
         If the way ends before the timed part does, or there is no step.
     """
-    _check(trajectory, steps)
-    if start not in ("static", "rolling"):
-        raise InputError(f"start = {start!r}: expected 'static' or 'rolling'")
-    if not (np.isfinite(distance_m) and distance_m > 0):
-        raise InputError(f"distance_m = {distance_m}: expected a positive number")
+    _check(steps)
+    one_of("start", start, ("static", "rolling"))
+    distance_m, run_up_m = as_number(distance_m, "distance_m"), as_number(run_up_m, "run_up_m")
     from_m, to_m = (0.0, distance_m) if start == "static" else (run_up_m, distance_m - run_up_m)
-    if start == "rolling" and not 0 < run_up_m < distance_m / 2:
+    if start == "rolling" and not run_up_m < distance_m / 2:
         raise InputError(f"run_up_m = {run_up_m}: expected less than half of {distance_m:g} m")
     begun = float(steps.lift_s[0]) if start == "static" else time_at(steps, from_m)
     return _walk_test(steps, begun, time_at(steps, to_m), to_m - from_m)
 
 
-def six_minute_walk(trajectory: Trajectory, steps: Steps, duration_s: float = 360.0) -> WalkTest:
+def six_minute_walk(steps: Steps, duration_s: float = 360.0) -> WalkTest:
     """Distance walked in a time, as in the 6-Minute Walk Test: from the first lift on.
 
-    What is under way when the time is up counts in part, by its share of the time between two
+    What is under way when the time is up counts in part, by its fraction of the time between two
     placements (:func:`path_at`); nothing of it if the recording ends before the second.
 
     Parameters
     ----------
-    trajectory : Trajectory
-    steps : Steps found in it
+    steps : Steps
     duration_s : s
 
     Returns
@@ -235,11 +249,10 @@ def six_minute_walk(trajectory: Trajectory, steps: Steps, duration_s: float = 36
     InputError
         If the recording ends before the time is up, or there is no step.
     """
-    _check(trajectory, steps)
-    if not (np.isfinite(duration_s) and duration_s > 0):
-        raise InputError(f"duration_s = {duration_s}: expected a positive number")
+    _check(steps)
+    duration_s = as_number(duration_s, "duration_s")
     begun = float(steps.lift_s[0])
-    recorded = float(trajectory.time_s[-1]) - begun
+    recorded = float(steps.recorded_s[1]) - begun
     if recorded < duration_s:
         raise InputError(
             f"the recording goes on for {recorded:.1f} s after the first lift: expected at least "
@@ -256,8 +269,8 @@ def _walk_test(steps: Steps, start_s: float, stop_s: float, distance_m: float) -
 TUG_PHASES = ("walk out", "first turn", "walk back", "second turn")
 
 
-@dataclass(frozen=True)
-class TimedUpAndGo:
+@dataclass(frozen=True, eq=False, repr=False)
+class TimedUpAndGo(Result):
     """Phases of a Timed-Up and Go Test, each beginning where the one before ends.
 
     Parameters
@@ -267,12 +280,14 @@ class TimedUpAndGo:
     distance_m : (4,) array, m, along the placements
     turn_rad : (4,) array, rad, left positive
     step_count : (4,) int array
+    warnings : those of the steps
     """
 
     boundary_s: FloatArray
     distance_m: FloatArray
     turn_rad: FloatArray
-    step_count: np.ndarray
+    step_count: NDArray[np.int64]
+    warnings: tuple[str, ...] = ()
 
     @property
     def duration_s(self) -> float:
@@ -280,7 +295,7 @@ class TimedUpAndGo:
         return float(self.boundary_s[-1] - self.boundary_s[0])
 
     def to_frame(self) -> pd.DataFrame:
-        """Give one row per phase."""
+        """One row per phase."""
         import pandas as pd
 
         return pd.DataFrame(
@@ -296,14 +311,8 @@ class TimedUpAndGo:
         )
 
 
-def timed_up_and_go(
-    trajectory: Trajectory,
-    steps: Steps,
-    *,
-    least_turn_rad: float = float(np.deg2rad(90)),
-    settings: GaitSettings | None = None,
-) -> TimedUpAndGo:
-    """Find the walks and turns of a Timed-Up and Go Test.
+def timed_up_and_go(steps: Steps, *, least_turn_rad: float = float(np.deg2rad(90))) -> TimedUpAndGo:
+    """Walks and turns of a Timed-Up and Go Test.
 
     From the first lift of the frame to the last placement of the second turn. It is shorter than
     the test: standing up before and sitting down after it happen while the frame stands, and an
@@ -311,10 +320,8 @@ def timed_up_and_go(
 
     Parameters
     ----------
-    trajectory : Trajectory
-    steps : Steps found in it
+    steps : Steps
     least_turn_rad : rad, half of what each of both turns should have
-    settings : GaitSettings that the steps were found with
 
     Returns
     -------
@@ -325,10 +332,10 @@ def timed_up_and_go(
     InputError
         If there are not two such turns, or no step before one of them.
     """
-    _check(trajectory, steps)
-    if not 0 < least_turn_rad <= np.pi:
+    _check(steps)
+    if not as_number(least_turn_rad, "least_turn_rad") <= np.pi:
         raise InputError(f"least_turn_rad = {least_turn_rad}: expected up to pi (in deg?)")
-    turns = find_turns(steps, settings)
+    turns = find_turns(steps)
     large = np.nonzero(np.abs(turns.angle_rad) >= least_turn_rad)[0]
     if len(large) != 2:
         raise InputError(
@@ -342,12 +349,14 @@ def timed_up_and_go(
     boundary = [lift[0], lift[first[0]], place[last[0]], lift[first[1]], place[last[1]]]
     path, turned = (np.r_[0.0, v] for v in (steps.path_m, np.cumsum(steps.turn_rad)))
     return TimedUpAndGo(
-        np.array(boundary), np.diff(path[edges]), np.diff(turned[edges]), np.diff(edges)
+        np.array(boundary),
+        np.diff(path[edges]),
+        np.diff(turned[edges]),
+        np.diff(edges),
+        steps.warnings,
     )
 
 
-def _check(trajectory: Trajectory, steps: Steps) -> None:
+def _check(steps: Steps) -> None:
     if not len(steps):
-        raise InputError("steps: there is none")
-    if steps.lift_s[0] < trajectory.time_s[0] or steps.place_s[-1] > trajectory.time_s[-1]:
-        raise InputError("steps: not of this trajectory, their times lie outside it")
+        raise InputError("steps: there is none, expected a walk of one step or more")

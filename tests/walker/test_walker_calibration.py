@@ -238,7 +238,7 @@ def test_eq25_body_position_undoes_the_lever_arm(seed):
     rng = np.random.default_rng(seed)
     mount = WalkerMount(Rotation.random(random_state=seed).as_matrix(), rng.normal(size=3) / 3)
     body, attitude = rng.normal(size=(4, 3)), Rotation.random(4, random_state=seed + 1)
-    imu = body + attitude.apply(mount.translation_body_m)
+    imu = body + attitude.apply(np.array(mount.translation_body_m))
     q = (attitude * Rotation.from_matrix(mount.rotation_imu_to_body)).as_quat(scalar_first=True)
     place, turn = body_position(imu, q, mount)
     assert np.allclose(place, body) and np.allclose(turn, attitude.as_matrix())
@@ -513,11 +513,11 @@ def test_saturation_is_said_and_survived():
         k = int(np.searchsorted(walk.recording.time_s, step.place_s - 0.05))
         acc[k : k + 4, 0] = 156.9
     recording = Recording(walk.recording.time_s, {"frame": Imu(acc, imu.gyr_radps)})
-    found = estimate_trajectory(recording, pose_mount("1"))
+    found = estimate_trajectory(recording, FRAME, pose_mount("1"))
     assert any("saturated in 12 samples" in said for said in found.warnings)
     end = found.position_m[-1] - walk.position_body_m[-1]
     assert np.linalg.norm(end) < 0.1  # 7.9 m if the cut samples are believed
-    whole = estimate_trajectory(walk.recording, pose_mount("1"))
+    whole = estimate_trajectory(walk.recording, FRAME, pose_mount("1"))
     assert found.horizontal_sd_m[-1] > whole.horizontal_sd_m[-1]
 
 
@@ -552,7 +552,7 @@ def test_walks_are_as_good_as_asked(sensor, corridor_m, rectangle_m):
             for pose in POSES:
                 unit = 10 * seed + int(pose)
                 walk = attach_imu(motion, pose_mount(pose), sensor, seed=unit, unit_seed=unit)
-                found = estimate_trajectory(walk.recording, pose_mount(pose))
+                found = estimate_trajectory(walk.recording, FRAME, pose_mount(pose))
                 ends = [
                     np.linalg.norm(p[-1] - p[0]) for p in (found.position_m, walk.position_body_m)
                 ]
@@ -562,7 +562,7 @@ def test_walks_are_as_good_as_asked(sensor, corridor_m, rectangle_m):
 
 def test_trajectory_table_and_heading():
     walk = attach_imu(simulate_walk(RECTANGLE, seed=1), pose_mount("4"), DATASHEET, seed=1, unit_seed=1)  # noqa: E501  # fmt: skip
-    found = estimate_trajectory(walk.recording, pose_mount("4"))
+    found = estimate_trajectory(walk.recording, FRAME, pose_mount("4"))
     table = found.to_frame()
     assert list(table) == ["time_s", "x_m", "y_m", "z_m", "yaw_deg", "stationary"]
     # Four corners to the left: once around.
@@ -587,14 +587,14 @@ def rebuilt(recording, *, time_s=None, acc=None, gyr=None):
 def test_another_frames_mount_is_refused(other):
     """The mounts of Table 1 lean by 40 deg and more against each other."""
     with pytest.raises(InputError, match="leans by"):
-        estimate_trajectory(walked().recording, pose_mount(other))
+        estimate_trajectory(walked().recording, FRAME, pose_mount(other))
 
 
 def test_a_mount_that_moved_a_little_is_said():
     tilt = Rotation.from_rotvec([0, np.deg2rad(5), 0]).as_matrix()
     mount = pose_mount("1")
     moved = WalkerMount(tilt @ mount.rotation_imu_to_body, mount.translation_body_m)
-    found = estimate_trajectory(walked().recording, moved)
+    found = estimate_trajectory(walked().recording, FRAME, moved)
     assert any(re.search(r"leans by [45]\.\d deg", said) for said in found.warnings)
 
 
@@ -602,15 +602,18 @@ def test_wrong_units_and_signs_are_said():
     recording = walked().recording
     imu = recording.sensors["frame"]
     with pytest.raises(InputError, match="is time_s in ms"):
-        estimate_trajectory(rebuilt(recording, time_s=1000 * recording.time_s), pose_mount("1"))
+        estimate_trajectory(
+            rebuilt(recording, time_s=1000 * recording.time_s), FRAME, pose_mount("1")
+        )
     with pytest.raises(InputError, match="is the gyroscope in deg/s"):
         degrees = np.rad2deg(imu.gyr_radps)
-        estimate_trajectory(rebuilt(recording, gyr=degrees), pose_mount("1"))
+        estimate_trajectory(rebuilt(recording, gyr=degrees), FRAME, pose_mount("1"))
     # What is said of a wrong sign does not depend on how many samples share an update.
     excess = []
     for resting in (1, 4):
         reversed_gyr = estimate_trajectory(
             rebuilt(recording, gyr=-imu.gyr_radps),
+            FRAME,
             pose_mount("1"),
             settings=NavigationSettings(resting_stride=resting),
         )
@@ -618,10 +621,10 @@ def test_wrong_units_and_signs_are_said():
         excess.append(float(re.search(r"rests are ([\d.]+) times.*signs reversed", said)[1]))
     assert np.isclose(*excess, rtol=0.3), excess
     with pytest.raises(InputError, match="reversed"):
-        estimate_trajectory(rebuilt(recording, acc=-imu.acc_mps2), pose_mount("1"))
+        estimate_trajectory(rebuilt(recording, acc=-imu.acc_mps2), FRAME, pose_mount("1"))
     acc, gyr = imu.acc_mps2.copy(), imu.gyr_radps.copy()
     acc[2000:2400], gyr[2000:2400] = acc[2000], gyr[2000]
-    frozen = estimate_trajectory(rebuilt(recording, acc=acc, gyr=gyr), pose_mount("1"))
+    frozen = estimate_trajectory(rebuilt(recording, acc=acc, gyr=gyr), FRAME, pose_mount("1"))
     assert any("was the sensor frozen" in said for said in frozen.warnings)
 
 
@@ -631,7 +634,7 @@ def test_the_mounts_errors_are_in_the_paths(tmp_path):
     stated = WalkerMount(
         mount.rotation_imu_to_body, mount.translation_body_m, [0, 0, np.deg2rad(1)], [0, 0, 0]
     )
-    plain, doubtful = (estimate_trajectory(walk.recording, m) for m in (mount, stated))
+    plain, doubtful = (estimate_trajectory(walk.recording, FRAME, m) for m in (mount, stated))
     extra = np.sqrt(doubtful.horizontal_sd_m[-1] ** 2 - plain.horizontal_sd_m[-1] ** 2)
     assert np.isclose(extra, 10 * np.deg2rad(1), rtol=0.02)
     text = (
@@ -650,7 +653,7 @@ def test_a_mount_turned_back_to_front_is_noticed_on_the_first_walk():
     mount = pose_mount("4")
     half = np.diag([-1.0, -1.0, 1.0])
     wrong = WalkerMount(half @ mount.rotation_imu_to_body, mount.translation_body_m)
-    found = estimate_trajectory(walk.recording, wrong)
+    found = estimate_trajectory(walk.recording, FRAME, wrong)
     assert any("went backward" in said for said in found.warnings)
 
 
@@ -678,10 +681,10 @@ def test_resting_recording_goes_nowhere():
         {"frame": Imu(rest + 0.012 * rng.standard_normal((6000, 3)),
                       0.0012 * rng.standard_normal((6000, 3)))},
     )  # fmt: skip
-    found = estimate_trajectory(recording, mount)
+    found = estimate_trajectory(recording, FRAME, mount)
     assert np.abs(found.position_m).max() < 2e-3 and found.stationary.all()
     with pytest.raises(InputError, match="no sensor 'frame'"):
-        estimate_trajectory(Recording(time, {"lever": recording.sensors["frame"]}), mount)
+        estimate_trajectory(Recording(time, {"lever": recording.sensors["frame"]}), FRAME, mount)
 
 
 def test_calibration_from_path_refuses_an_unknown_method():

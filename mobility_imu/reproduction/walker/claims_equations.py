@@ -333,7 +333,7 @@ def _frame() -> float:
     mount = WalkerMount(Rotation.random(rng=rng).as_matrix(), np.array([0.4, -0.2, 0.6]))
     body_to_world = Rotation.random(INPUTS, rng=rng)
     place = rng.standard_normal((INPUTS, 3))
-    imu = place + body_to_world.apply(mount.translation_body_m)
+    imu = place + body_to_world.as_matrix() @ mount.translation_body_m
     attitude = body_to_world * Rotation.from_matrix(mount.rotation_imu_to_body)
     found, _ = body_position(imu, attitude.as_quat(scalar_first=True), mount)
     return float(np.abs(found - place).max())

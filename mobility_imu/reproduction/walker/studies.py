@@ -17,6 +17,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
+from mobility_imu.executors import run_all
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.reproduction.walker.tables import POSES, pose_mount
 from mobility_imu.simulation.sensor import MTI_1, SensorModel, without
@@ -364,11 +365,15 @@ def _walk_errors(
 def spread(
     work: Callable[[int], list[dict[str, Any]]], seeds: Iterable[int], executor: Any
 ) -> list[dict[str, Any]]:
-    """Rows of all seeds, in their order, computed here or by an executor."""
-    if executor is None:
-        return [row for seed in seeds for row in work(seed)]
-    futures = [executor.submit(work, seed) for seed in seeds]
-    return [row for future in futures for row in future.result()]
+    """Rows of all seeds, in their order, computed here or by an executor.
+
+    Parameters
+    ----------
+    work : function of a seed that returns rows
+    seeds : one per repetition
+    executor : anything with ``submit``; None works in this process
+    """
+    return [row for rows in run_all(work, [(seed,) for seed in seeds], executor) for row in rows]
 
 
 def sources() -> dict[str, Level]:
