@@ -65,7 +65,12 @@ class View(NamedTuple):
 
 
 def view_of(tilt: TiltDirection) -> View:
-    """View along the edge of a tilt: from the right for front and back, from behind else."""
+    """View along the edge of a tilt: from the right for front and back, from behind else.
+
+    Parameters
+    ----------
+    tilt : way that the frame is tilted
+    """
     if tilt in ("front", "back"):
         return View(FROM_THE_RIGHT, "from the right")
     return View(FROM_BEHIND, "from behind")

@@ -1,6 +1,5 @@
 """Walker: the paper's equations, the calibration and the trajectory against simulated truth."""
 
-import functools
 import re
 
 import numpy as np
@@ -8,12 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from walker_recordings import DATASHEET, FRAME, changed, rebuilt, tilt_recording, walked
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.tables import POSES, pose_mount
-from mobility_imu.simulation.sensor import IDEAL, MTI_1, without
+from mobility_imu.simulation.sensor import IDEAL, MTI_1
 from mobility_imu.simulation.walker import (
     CORRIDOR,
     PERFECT,
@@ -62,8 +62,6 @@ from mobility_imu.walker.trajectory import (
     walking_displacement,
 )
 
-FRAME = WalkerGeometry(0.60, 0.52)
-DATASHEET = without(MTI_1, "scale_sd", "misalignment_sd_rad", "g_sensitivity_sd")
 # Inside the footprint and clear of its edges, where the printed eq. 15 is valid too.
 PLACES = st.tuples(
     st.floats(0.02, 0.50), st.floats(-0.28, 0.28), st.floats(0.1, 0.9)
@@ -87,15 +85,6 @@ def tilted(place, direction, angle):
     edge = FRAME.edge(direction)
     turn = Rotation.from_rotvec(angle * edge.axis)
     return edge.point_m + turn.apply(np.asarray(place) - edge.point_m), turn.as_matrix()
-
-
-@functools.cache
-def tilt_recording(
-    seed=0, pose="1", sensor=DATASHEET, imperfections=PERFECT, order=TILT_DIRECTIONS
-):
-    motion = simulate_tilts(FRAME, seed=seed, order=order, imperfections=imperfections)
-    unit = 10 * seed + int(pose)
-    return attach_imu(motion, pose_mount(pose), sensor, seed=unit, unit_seed=unit).recording
 
 
 def errors(calibration, pose):
@@ -446,7 +435,7 @@ def test_a_small_first_tilt_still_names_the_others():
     quaternion[span] = (attitude[span.start] * Rotation.from_rotvec(small)).as_quat(
         scalar_first=True
     )
-    left, said = find_tilts(path._replace(quaternion=quaternion))
+    left, said = find_tilts(changed(path, quaternion=quaternion))
     assert [tilt.direction for tilt in left] == ["back", "right", "left"]
     assert any("reaches only 8.0 deg" in text for text in said)
     # Back and right alone also fit front and left: the order has to be stated.
@@ -495,7 +484,7 @@ def test_tilt_across_a_corner_is_refused():
     ) * lean * (attitude[span.start].inv() * up * attitude[span.start]).inv()  # fmt: skip
     mixed = np.where(inside[:, None], turned.as_quat(scalar_first=True), path.quaternion)
     with pytest.raises(InputError, match=r"(39|40|41) deg off"):
-        find_tilts(path._replace(quaternion=mixed))
+        find_tilts(changed(path, quaternion=mixed))
 
 
 def test_ill_conditioned_mounting_is_said():
@@ -569,18 +558,6 @@ def test_trajectory_table_and_heading():
     assert np.isclose(found.yaw_rad[-1], 2 * np.pi, atol=np.deg2rad(1))
     assert np.abs(found.position_m[found.stationary, 2]).max() < 0.01
     assert not found.warnings
-
-
-def walked(pose="1"):
-    return attach_imu(simulate_walk(CORRIDOR, seed=1), pose_mount(pose), DATASHEET, seed=1, unit_seed=1)  # noqa: E501  # fmt: skip
-
-
-def rebuilt(recording, *, time_s=None, acc=None, gyr=None):
-    imu = recording.sensors["frame"]
-    return Recording(
-        recording.time_s if time_s is None else time_s,
-        {"frame": Imu(imu.acc_mps2 if acc is None else acc, imu.gyr_radps if gyr is None else gyr)},
-    )
 
 
 @pytest.mark.parametrize("other", ["2", "3", "4", "5"])

@@ -1,6 +1,7 @@
 """Simulated recordings that several tests of the walker take."""
 
 import functools
+from dataclasses import replace
 
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.tables import pose_mount
@@ -42,3 +43,8 @@ def rebuilt(recording, *, time_s=None, acc=None, gyr=None):
         {"frame": Imu(imu.acc_mps2 if acc is None else acc, imu.gyr_radps if gyr is None else gyr)},
         source=recording.source,
     )
+
+
+def changed(path, **values):
+    """The path of an IMU with other values in some of its fields."""
+    return path._replace(**values) if hasattr(path, "_replace") else replace(path, **values)

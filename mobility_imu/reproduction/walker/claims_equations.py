@@ -12,8 +12,8 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.reproduction.claims import Claim, Quotation
 from mobility_imu.reproduction.walker import evidence
 from mobility_imu.walker.geometry import (
+    FOOTPRINT,
     TiltDirection,
-    WalkerGeometry,
     rotation_body_to_world,
 )
 from mobility_imu.walker.mount import WalkerMount
@@ -32,7 +32,6 @@ from mobility_imu.walker.trajectory import body_position, walking_displacement
 
 INPUTS = 1000
 SEED = 28
-FOOTPRINT = WalkerGeometry(footprint_width_m=0.60, footprint_length_m=0.52)
 EXACT = "rounding of double precision"
 
 
@@ -310,7 +309,7 @@ def _two_tilts() -> float:
 
 
 def _attitudes() -> FloatArray:
-    return Rotation.random(INPUTS, rng=_rng()).as_quat(scalar_first=True)
+    return np.asarray(Rotation.random(INPUTS, rng=_rng()).as_quat(scalar_first=True))
 
 
 def _quaternion_rate() -> float:

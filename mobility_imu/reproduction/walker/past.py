@@ -48,7 +48,7 @@ def smoothing(seeds: Iterable[int], executor: Any = None) -> pd.DataFrame:
         the floor), ``walks``.
     """
     levels = {"realistic": LEVELS["realistic"], "strong rocking": ROCKING}
-    ways = {"filter": {"smooth": False}, "smoothed": {"smooth": True}}
+    ways: dict[str, dict[str, Any]] = {"filter": {"smooth": False}, "smoothed": {"smooth": True}}
     return _rectangle_means(list(seeds), levels, ways, ("rms",), executor)
 
 
@@ -66,7 +66,8 @@ def known_end(seeds: Iterable[int], executor: Any = None) -> pd.DataFrame:
         ``tied_end_m`` (distance of the end from its true place), ``walks``.
     """
     levels = {name: LEVELS[name] for name in UNITS_LEVELS}
-    ways = {"free": {"closed_loop": None}, "tied": {"closed_loop": ClosedLoop()}}
+    ends = {"free": None, "tied": ClosedLoop()}
+    ways: dict[str, dict[str, Any]] = {name: {"closed_loop": end} for name, end in ends.items()}
     return _rectangle_means(list(seeds), levels, ways, ("rms", "end"), executor)
 
 
