@@ -48,14 +48,14 @@ from mobility_imu.reproduction.scooter.static_table import (
 from mobility_imu.reproduction.walker.tables import POSES, pose_mount
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.scooter.geometry import SUZUKI_ET4D, ScooterGeometry, body_specific_force
-from mobility_imu.walker.calibration import (
+from mobility_imu.walker.geometry import TILT_DIRECTIONS, WalkerGeometry
+from mobility_imu.walker.tilt_equations import (
     arm_angle,
     distance_to_edge,
     imu_height,
     position_four_tilts,
     position_two_tilts,
 )
-from mobility_imu.walker.geometry import TILT_DIRECTIONS, WalkerGeometry
 from mobility_imu.wheelchair.geometry import DOCUMENT_TO_CHAIR, WheelchairGeometry, side_sign
 from mobility_imu.wheelchair.tasks import Task
 

@@ -13,13 +13,11 @@ from mobility_imu.cli.files import Outputs, csv_bytes
 from mobility_imu.cli.options import FillGaps, Output, Smooth, sub_app
 from mobility_imu.errors import InputError
 
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from mobility_imu.walker import MountCalibration, Trajectory, WalkerGeometry
-
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
 Form = Literal["corrected", "printed"]
+
+if TYPE_CHECKING:
+    from mobility_imu.walker import WalkerGeometry
 
 app = sub_app("Walking frame: mount of the IMU, and path.")
 
@@ -61,46 +59,12 @@ def calibrate(
         smooth=smooth,
     )
     _warn(found.warnings)
-    outputs.write({output: mount_to_toml(found, frame, method).encode()})
+    outputs.write({output: found.to_toml().encode()})
 
 
 def _warn(messages: Iterable[str]) -> None:
     for message in messages:
         warnings.warn(message, stacklevel=1)
-
-
-def mount_to_toml(found: MountCalibration, frame: WalkerGeometry, method: str) -> str:
-    """Geometry and mount as the text of a geometry file.
-
-    Parameters
-    ----------
-    found : MountCalibration
-    frame : WalkerGeometry
-    method : how the mount was found, for the comment
-
-    Returns
-    -------
-    str
-    """
-    import numpy as np
-
-    rotation = [[round(float(v), 6) for v in row] for row in found.mount.rotation_imu_to_body]
-    place = [round(float(v), 4) for v in found.mount.translation_body_m]
-    lines = [
-        "[walker]",
-        f"footprint_width_m = {frame.footprint_width_m}",
-        f"footprint_length_m = {frame.footprint_length_m}",
-        "",
-        "[walker.mount]",
-        f"# {method}: "
-        + ", ".join(f"{t.direction} {np.rad2deg(t.angle_rad):.0f} deg" for t in found.tilts),
-    ]
-    if np.isfinite(found.translation_sd_m).all():
-        place_sd = [round(float(value), 5) for value in found.translation_sd_m]
-        turn_sd = [round(float(value), 5) for value in found.rotation_sd_rad]
-        lines += [f"translation_sd_m = {place_sd}", f"rotation_sd_rad = {turn_sd}"]
-    lines += [f"rotation_imu_to_body = {rotation}", f"translation_body_m = {place}"]
-    return "\n".join(lines) + "\n"
 
 
 @app.command("trajectory")
@@ -129,8 +93,7 @@ def trajectory(
     if closed_loop and not smooth:
         raise InputError("--closed-loop needs the smoother: it cannot be had with --no-smooth")
     from mobility_imu.readers import read_recording, recording_files
-    from mobility_imu.walker import WalkerMount, estimate_trajectory
-    from mobility_imu.walker.navigation import ClosedLoop
+    from mobility_imu.walker import ClosedLoop, WalkerMount, estimate_trajectory, find_steps
 
     files = (*recording_files(walk), geometry)
     outputs = Outputs({"--output": output, "--steps": steps}, files)
@@ -138,6 +101,7 @@ def trajectory(
     try:
         found = estimate_trajectory(
             read_recording(walk, fill_gaps_s=fill_gaps_s),
+            _footprint(geometry),
             mount,
             smooth=smooth,
             closed_loop=ClosedLoop() if closed_loop else None,
@@ -146,35 +110,24 @@ def trajectory(
         raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
     _warn(found.warnings)
     contents = {output: csv_bytes(found.to_frame(), output)}
-    placed = steps_table(found, walk, needed=steps is not None)
-    if steps is not None and placed is not None:
-        contents[steps] = csv_bytes(placed, steps)
-    outputs.write(contents)
-
-
-def steps_table(found: Trajectory, walk: Path, *, needed: bool) -> pd.DataFrame | None:
-    """Table of the steps of a path; a warning tells why there are none.
-
-    Parameters
-    ----------
-    found : Trajectory
-    walk : name of the recording, for messages
-    needed : whether it is an error that steps cannot be found
-
-    Returns
-    -------
-    DataFrame, or None if steps cannot be found
-    """
-    from mobility_imu.walker.gait import find_steps
-
     try:
         placed = find_steps(found)
     except InputError as error:
-        if needed:
+        if steps is not None:
             raise InputError(f"{walk}: {error}") from None
         _warn([f"{walk}: no steps: {error}"])
-        return None
-    _warn(placed.warnings)
-    if not len(placed):
-        _warn([f"{walk}: no step found: is it a walk?"])
-    return placed.to_frame()
+    else:
+        _warn(f"{walk}: {text}" for text in placed.warnings)
+        if steps is not None:
+            contents[steps] = csv_bytes(placed.to_frame(), steps)
+    outputs.write(contents)
+
+
+def _footprint(path: Path) -> WalkerGeometry | None:
+    """Footprint of a geometry file; None if the file has a mount alone."""
+    from mobility_imu.readers.geometry import find_table
+    from mobility_imu.walker import WalkerGeometry
+
+    section = find_table(path, "walker") or {}
+    stated = any(not isinstance(value, dict) for value in section.values())
+    return WalkerGeometry.from_toml(path) if stated else None

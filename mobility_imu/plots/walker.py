@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mobility_imu.frames import FloatArray
+from mobility_imu.walker.geometry import FOOTPRINT
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -14,7 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH_M, LENGTH_M, HEIGHT_M = 0.60, 0.52, 0.85
+WIDTH_M, LENGTH_M = FOOTPRINT.footprint_width_m, FOOTPRINT.footprint_length_m
+HEIGHT_M = 0.85
 # Oblique view: x forward goes right and up, y left goes up-left, z up.
 VIEW = np.array([[0.92, -0.42, 0.0], [0.28, 0.32, 1.0]])
 

@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import ndimage
 
-from mobility_imu.frames import FloatArray
 from mobility_imu.plots.style import COLOURS, CYCLE, HATCHES, LINE_STYLES, cue, use_style
 from mobility_imu.runs import runs_of
-from mobility_imu.walker.gait import TUG_PHASES, Steps, TimedUpAndGo
-from mobility_imu.walker.stillness import StillnessSettings
+from mobility_imu.walker.steps import Steps
+from mobility_imu.walker.stillness import stillness_signals
+from mobility_imu.walker.walking_tests import TUG_PHASES, TimedUpAndGo
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from mobility_imu.recording import Recording
@@ -30,7 +30,6 @@ def plot_step_signals(
     trajectory: Trajectory,
     steps: Steps,
     span_s: tuple[float, float],
-    settings: StillnessSettings | None = None,
 ) -> Figure:
     """Plot what the stillness detector sees, the height, and the lifts and placements found.
 
@@ -39,44 +38,26 @@ def plot_step_signals(
     recording : Recording with a sensor "frame"
     trajectory, steps : found from it
     span_s : s, first and last time to be shown
-    settings : StillnessSettings that it was done with
     """
     import matplotlib.pyplot as plt
 
-    settings = settings or StillnessSettings()
-    imu, time = recording.sensor("frame", gyroscope=True), recording.time_s
-    rate_hz = recording.sampling_rate_hz
-
-    def mean(values: ArrayLike, seconds: float) -> FloatArray:
-        count = 2 * int(seconds * rate_hz / 2) + 1
-        return ndimage.uniform_filter1d(np.asarray(values), count, axis=0, mode="nearest")
-
-    smooth = mean(imu.acc_mps2, settings.mean_s)
+    settings = trajectory.stillness
+    rate, deviation = stillness_signals(
+        recording.sensor("frame").acc_mps2,
+        recording.gyroscope("frame"),
+        recording.sampling_rate_hz,
+        settings,
+    )
     curves = (
-        (
-            np.linalg.norm(mean(np.asarray(imu.gyr_radps), settings.mean_s), axis=1),
-            settings.rate_radps,
-            "rate, rad/s",
-        ),
-        (
-            np.linalg.norm(smooth - mean(imu.acc_mps2, settings.local_mean_s), axis=1),
-            settings.acc_deviation_mps2,
-            "deviation, m/s²",
-        ),
-        (100 * trajectory.position_m[:, 2], None, "height, cm"),
+        (recording.time_s, rate, settings.rate_radps, "rate, rad/s"),
+        (recording.time_s, deviation, settings.acc_deviation_mps2, "deviation, m/s²"),
+        (trajectory.time_s, 100 * trajectory.position_m[:, 2], None, "height, cm"),
     )
     with use_style():
         figure, axes = plt.subplots(3, 1, figsize=(8.6, 5.6), sharex=True)
-        for ax, (values, limit, name) in zip(axes, curves, strict=True):
-            for run in runs_of(trajectory.stationary):
-                ax.axvspan(time[run.start], time[run.stop - 1], color="#E4E4E4", lw=0)
+        for ax, (time, values, limit, name) in zip(axes, curves, strict=True):
+            _mark_rests_and_steps(ax, trajectory, steps, span_s)
             ax.plot(time, values, color="black", linestyle="-", linewidth=1.1)
-            for moments, colour, line in (
-                (steps.lift_s, "vermilion", "--"),
-                (steps.place_s, "blue", "-"),
-            ):
-                for at in moments[(moments > span_s[0]) & (moments < span_s[1])]:
-                    ax.axvline(at, color=COLOURS[colour], linestyle=line, linewidth=1.3)
             if limit is not None:
                 ax.axhline(limit, color=COLOURS["green"], linestyle=":")
                 ax.annotate(
@@ -100,6 +81,17 @@ def plot_step_signals(
         ]
         figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
+
+
+def _mark_rests_and_steps(
+    ax: Axes, trajectory: Trajectory, steps: Steps, span_s: tuple[float, float]
+) -> None:
+    time = trajectory.time_s
+    for run in runs_of(trajectory.stationary):
+        ax.axvspan(time[run.start], time[run.stop - 1], color="#E4E4E4", lw=0)
+    for moments, colour, line in ((steps.lift_s, "vermilion", "--"), (steps.place_s, "blue", "-")):
+        for at in moments[(moments > span_s[0]) & (moments < span_s[1])]:
+            ax.axvline(at, color=COLOURS[colour], linestyle=line, linewidth=1.3)
 
 
 def plot_step_errors(errors: Mapping[str, Mapping[str, ArrayLike]]) -> Figure:

@@ -31,12 +31,8 @@ from mobility_imu.plots.drawing import (
 )
 from mobility_imu.plots.style import COLOURS, use_style
 from mobility_imu.plots.walker import HEIGHT_M
-from mobility_imu.walker.geometry import (
-    TILT_DIRECTIONS,
-    TiltDirection,
-    WalkerGeometry,
-    WalkerMount,
-)
+from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -69,7 +65,12 @@ class View(NamedTuple):
 
 
 def view_of(tilt: TiltDirection) -> View:
-    """View along the edge of a tilt: from the right for front and back, from behind else."""
+    """View along the edge of a tilt: from the right for front and back, from behind else.
+
+    Parameters
+    ----------
+    tilt : way that the frame is tilted
+    """
     if tilt in ("front", "back"):
         return View(FROM_THE_RIGHT, "from the right")
     return View(FROM_BEHIND, "from behind")

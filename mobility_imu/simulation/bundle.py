@@ -38,7 +38,8 @@ from mobility_imu.simulation.wheelchair import (
     random_mounting,
     simulate_drive,
 )
-from mobility_imu.walker.geometry import WalkerGeometry, WalkerMount
+from mobility_imu.walker.geometry import WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
 
 __all__ = [

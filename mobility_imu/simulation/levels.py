@@ -26,7 +26,8 @@ from mobility_imu.simulation.walker import (
     measured_geometry,
     simulate_tilts,
 )
-from mobility_imu.walker.geometry import WalkerGeometry, WalkerMount
+from mobility_imu.walker.geometry import WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
 
 __all__ = [
     "DATASHEET",

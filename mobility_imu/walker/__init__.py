@@ -1,14 +1,49 @@
-"""Walking frame with one IMU: calibrated by tilting, then followed (Doan & Pham)."""
+"""Walking frame with one IMU: calibrated by tilting, then followed (Doan & Pham).
 
-from mobility_imu.walker.calibration import MountCalibration, calibrate_mount
-from mobility_imu.walker.geometry import WalkerGeometry, WalkerMount
+The way of the data: :class:`WalkerGeometry` is measured, :func:`calibrate_mount` finds the
+:class:`WalkerMount`, :func:`estimate_trajectory` the path, :func:`find_steps` the steps of the
+frame, :func:`walking_summary` and the walking tests what they say.
+"""
+
+from mobility_imu.walker.calibration import WalkerCalibration, calibrate_mount
+from mobility_imu.walker.geometry import WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.navigation import ClosedLoop, NavigationSettings
+from mobility_imu.walker.steps import GaitSettings, Steps, Turns, find_steps, find_turns
+from mobility_imu.walker.stillness import StillnessSettings
+from mobility_imu.walker.tilt_detection import Tilt
 from mobility_imu.walker.trajectory import Trajectory, estimate_trajectory
+from mobility_imu.walker.walking_tests import (
+    TimedUpAndGo,
+    WalkingSummary,
+    WalkTest,
+    six_minute_walk,
+    ten_metre_walk,
+    timed_up_and_go,
+    walking_summary,
+)
 
 __all__ = [
-    "MountCalibration",
+    "ClosedLoop",
+    "GaitSettings",
+    "NavigationSettings",
+    "Steps",
+    "StillnessSettings",
+    "Tilt",
+    "TimedUpAndGo",
     "Trajectory",
+    "Turns",
+    "WalkTest",
+    "WalkerCalibration",
     "WalkerGeometry",
     "WalkerMount",
+    "WalkingSummary",
     "calibrate_mount",
     "estimate_trajectory",
+    "find_steps",
+    "find_turns",
+    "six_minute_walk",
+    "ten_metre_walk",
+    "timed_up_and_go",
+    "walking_summary",
 ]

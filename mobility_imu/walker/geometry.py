@@ -1,4 +1,4 @@
-"""A walking frame's footprint, and how an IMU is fixed to it (Doan & Pham).
+"""A walking frame's footprint and its axes (Doan & Pham).
 
 Frames:
 
@@ -21,8 +21,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
-from mobility_imu.readers.geometry import find_table, read_arrays, read_section
+from mobility_imu.frames import FloatArray, as_number, one_of
+from mobility_imu.readers.geometry import read_section
+
+__all__ = [
+    "FOOTPRINT",
+    "TILT_DIRECTIONS",
+    "Edge",
+    "TiltDirection",
+    "WalkerGeometry",
+    "rotation_body_to_world",
+    "rotation_world_to_imu",
+]
 
 TiltDirection = Literal["front", "back", "right", "left"]
 TILT_DIRECTIONS: tuple[TiltDirection, ...] = ("front", "back", "right", "left")
@@ -66,10 +76,11 @@ class WalkerGeometry:
     footprint_length_m: float
 
     def __post_init__(self) -> None:
-        """Refuse what no walking frame has."""
+        """Check that both lengths are those of a walking frame."""
         for name in ("footprint_width_m", "footprint_length_m"):
-            length = getattr(self, name)
-            if not np.isfinite(length) or not 0.2 <= length <= 1.2:
+            length = as_number(getattr(self, name), name, negative=True)
+            object.__setattr__(self, name, length)
+            if not 0.2 <= length <= 1.2:
                 hint = ""
                 if 20 <= length <= 120:
                     hint = " (in cm?)"
@@ -79,7 +90,12 @@ class WalkerGeometry:
 
     @classmethod
     def from_toml(cls, path: str | Path) -> WalkerGeometry:
-        """Read section [walker] of a geometry file."""
+        """Geometry from section [walker] of a geometry file.
+
+        Parameters
+        ----------
+        path : TOML file
+        """
         keys = ("footprint_width_m", "footprint_length_m")
         values = read_section(path, "walker", keys)
         try:
@@ -87,8 +103,32 @@ class WalkerGeometry:
         except InputError as error:
             raise InputError(f"{path}, [walker]: {error}") from None
 
+    def to_toml(self, path: str | Path | None = None) -> str:
+        """Section [walker] as the text of a geometry file.
+
+        Parameters
+        ----------
+        path : file to write the text to; None writes none
+
+        Returns
+        -------
+        str
+        """
+        text = (
+            f"[walker]\nfootprint_width_m = {self.footprint_width_m}\n"
+            f"footprint_length_m = {self.footprint_length_m}\n"
+        )
+        if path is not None:
+            Path(path).write_text(text, encoding="utf-8")
+        return text
+
     def edge(self, direction: TiltDirection) -> Edge:
-        """Give the edge that a tilt goes about: AB front, CD back, BC right, AD left."""
+        """Edge that a tilt goes about: AB front, CD back, BC right, AD left.
+
+        Parameters
+        ----------
+        direction : way that the frame is tilted
+        """
         width, length = self.footprint_width_m, self.footprint_length_m
         edges = {
             "front": ((length, 0, 0), (0, 1, 0)),
@@ -96,82 +136,13 @@ class WalkerGeometry:
             "right": ((length / 2, -width / 2, 0), (1, 0, 0)),
             "left": ((length / 2, width / 2, 0), (-1, 0, 0)),
         }
-        if direction not in edges:
-            raise InputError(f"direction = {direction!r}: expected one of {', '.join(edges)}")
-        point, axis = edges[direction]
+        point, axis = edges[one_of("direction", direction, TILT_DIRECTIONS)]
         return Edge(np.array(point, float), np.array(axis, float))
 
 
-@dataclass(frozen=True)
-class WalkerMount:
-    """How the IMU is fixed to the walking frame.
-
-    Parameters
-    ----------
-    rotation_imu_to_body : (3, 3) array, turns components in the IMU's axes into the body's
-    translation_body_m : (3,) array, m, position of the IMU in the body frame
-    rotation_sd_rad : (3,) array, rad, sd about the body's axes; None if it is not known
-    translation_sd_m : (3,) array, m, sd of the position; None if it is not known
-
-    Raises
-    ------
-    InputError
-        If the matrix is not a rotation, or the position is out of any frame's reach.
-    """
-
-    rotation_imu_to_body: FloatArray
-    translation_body_m: FloatArray
-    rotation_sd_rad: FloatArray | None = None
-    translation_sd_m: FloatArray | None = None
-
-    def __post_init__(self) -> None:
-        """Refuse what is no rotation, or no place on a walking frame."""
-        rotation = np.asarray(self.rotation_imu_to_body, float)
-        place = np.asarray(self.translation_body_m, float)
-        if rotation.shape != (3, 3) or not np.isfinite(rotation).all():
-            raise InputError("rotation_imu_to_body: expected three rows of three numbers")
-        defect = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
-        if defect > 1e-3 or np.linalg.det(rotation) < 0:
-            raise InputError(
-                f"rotation_imu_to_body: not a rotation (C C' is off 1 by {defect:.2g}, "
-                f"determinant {np.linalg.det(rotation):.4f})"
-            )
-        if place.shape != (3,) or not np.isfinite(place).all():
-            raise InputError("translation_body_m: expected three numbers")
-        if np.abs(place).max() > 2:
-            raise InputError(
-                f"translation_body_m = {place.tolist()}: expected within 2 m (in cm or mm?)"
-            )
-        for name in ("rotation_sd_rad", "translation_sd_m"):
-            value = getattr(self, name)
-            if value is None:
-                continue
-            spread = np.asarray(value, float)
-            if spread.shape != (3,) or not (spread >= 0).all():
-                raise InputError(f"{name}: expected three numbers that are not negative")
-            object.__setattr__(self, name, spread)
-        object.__setattr__(self, "rotation_imu_to_body", rotation)
-        object.__setattr__(self, "translation_body_m", place)
-
-    @classmethod
-    def from_toml(cls, path: str | Path) -> WalkerMount:
-        """Read section [walker.mount], as ``mobility-imu walker calibrate`` writes it."""
-        found = read_arrays(
-            path, "walker.mount", {"rotation_imu_to_body": (3, 3), "translation_body_m": (3,)}
-        )
-        if found is None:
-            raise InputError(
-                f"{path}: no section [walker.mount] (`mobility-imu walker calibrate` writes it)"
-            )
-        table = find_table(path, "walker.mount") or {}
-        stated: dict[str, tuple[int, ...]] = {
-            key: (3,) for key in ("rotation_sd_rad", "translation_sd_m") if key in table
-        }
-        found |= read_arrays(path, "walker.mount", stated) or {}
-        try:
-            return cls(**found)
-        except InputError as error:
-            raise InputError(f"{path}, [walker.mount]: {error}") from None
+FOOTPRINT = WalkerGeometry(footprint_width_m=0.60, footprint_length_m=0.52)
+"""Footprint of the drawn and of the simulated frame. That is an assumption; the paper gives none,
+standard frames have it, and the positions of the paper's Table 1 fit into it."""
 
 
 def rotation_world_to_imu(
@@ -185,24 +156,33 @@ def rotation_world_to_imu(
 
     Parameters
     ----------
-    quaternion : (..., 4) array, Hamilton, scalar first, IMU to world
+    quaternion : (..., 4) array, of length 1, Hamilton, scalar first, IMU to world
     form : "corrected", or "printed" for what our text copy has
 
     Returns
     -------
     (..., 3, 3) array
 
+    Raises
+    ------
+    InputError
+        If the length of a quaternion is not 1 (to 0.001): the matrix would be no rotation.
+
     Examples
     --------
     >>> rotation_world_to_imu([0.5**0.5, 0.0, 0.0, 0.5**0.5]).round(3).tolist()
     [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
     """
-    if form not in ("corrected", "printed"):
-        raise InputError(f"form = {form!r}: expected 'corrected' or 'printed'")
+    one_of("form", form, ("corrected", "printed"))
     q = np.asarray(quaternion, float)
     if q.shape[-1:] != (4,):
         raise InputError(f"quaternion: expected four components, got shape {q.shape}")
     q4, q1, q2, q3 = np.moveaxis(q, -1, 0)
+    length = np.sqrt(q4**2 + q1**2 + q2**2 + q3**2)
+    unit = np.abs(length - 1) < 1e-3
+    if not unit.all():
+        bad = float(length.ravel()[np.argmin(unit)])
+        raise InputError(f"quaternion: of length {bad:.4g}, expected 1; divide by its length")
     yz, zy = (q2 * q3, q2 * q3) if form == "corrected" else (q1 * q2, q1 * q3)
     rows = [
         [q4**2 + q1**2 - q2**2 - q3**2, 2 * (q1 * q2 + q4 * q3), 2 * (q1 * q3 - q4 * q2)],

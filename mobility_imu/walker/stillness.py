@@ -1,8 +1,8 @@
 """When the walking frame stands still. The paper gives no detector; this one is ours.
 
 A sample is still if, from a little before it to a little after, the rate stays small and the
-specific force stays near its own local mean. Neither says anything of an offset or of a slow,
-even creep: what moves slowly enough passes for still.
+specific force stays near its own local mean. The detector sees neither a constant offset of the
+force nor a slow, even creep: what moves slowly enough passes for still.
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.frames import FloatArray, as_number, as_vectors, check_positive
+
+__all__ = ["StillnessSettings", "find_stillness", "stillness_signals"]
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,7 @@ class StillnessSettings:
     mean_s : s, length of the short mean, which takes out noise
     local_mean_s : s, length of the longer mean of the specific force
     margin_s : s, both must hold this long before and after
-    shorten_s : s, taken off both ends of each still stretch
+    shorten_s : s, taken off both ends of each still interval
     """
 
     rate_radps: float = 0.05
@@ -39,10 +41,56 @@ class StillnessSettings:
     shorten_s: float = 0.04
 
     def __post_init__(self) -> None:
-        """Refuse sizes that are not positive."""
-        for name, value in vars(self).items():
-            if not np.isfinite(value) or value < 0 or (value == 0 and name[-2:] == "ps"):
-                raise InputError(f"{name} = {value}: expected a positive number")
+        """Check that the limits are positive and no length negative."""
+        check_positive(self, allow_zero=("mean_s", "local_mean_s", "margin_s", "shorten_s"))
+
+    @property
+    def eroded_s(self) -> float:
+        """What a still interval loses at each of its ends, s: margin and shortening together."""
+        return self.margin_s + self.shorten_s
+
+
+def stillness_signals(
+    acc_mps2: ArrayLike,
+    gyr_radps: ArrayLike,
+    sampling_rate_hz: float,
+    settings: StillnessSettings | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Sizes of the two signals that the detector compares with its limits.
+
+    Parameters
+    ----------
+    acc_mps2 : (n, 3) array, m/s², in the IMU's axes
+    gyr_radps : (n, 3) array, rad/s, in the IMU's axes
+    sampling_rate_hz : Hz
+    settings : StillnessSettings, for the lengths of the means
+
+    Returns
+    -------
+    (n,) array, rad/s, of the mean rate; (n,) array, m/s², distance of the short mean of the
+    specific force from the longer one
+
+    Raises
+    ------
+    InputError
+        If the arrays are empty, not of one length or not finite, or the rate is not positive.
+    """
+    settings = settings or StillnessSettings()
+    acc = as_vectors(acc_mps2, "acc_mps2", ndim=2, finite=True)
+    gyr = as_vectors(gyr_radps, "gyr_radps", length=len(acc), finite=True)
+    rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+    if not len(acc):
+        raise InputError("acc_mps2: no samples")
+
+    def mean(values: FloatArray, seconds: float) -> FloatArray:
+        count = 2 * int(seconds * rate_hz / 2) + 1
+        return np.asarray(ndimage.uniform_filter1d(values, count, axis=0, mode="nearest"))
+
+    def size(values: FloatArray) -> FloatArray:
+        return np.asarray(np.sqrt(np.einsum("ij,ij->i", values, values)))
+
+    deviation = mean(acc, settings.mean_s) - mean(acc, settings.local_mean_s)
+    return size(mean(gyr, settings.mean_s)), size(deviation)
 
 
 def find_stillness(
@@ -51,13 +99,11 @@ def find_stillness(
     sampling_rate_hz: float,
     settings: StillnessSettings | None = None,
 ) -> NDArray[np.bool_]:
-    """Say for each sample whether the frame stands (or is held) still.
+    """Whether the frame stands (or is held) still, for each sample.
 
     Parameters
     ----------
-    acc_mps2 : (n, 3) array, m/s², in the IMU's axes
-    gyr_radps : (n, 3) array, rad/s, in the IMU's axes
-    sampling_rate_hz : Hz
+    acc_mps2, gyr_radps, sampling_rate_hz : as in :func:`stillness_signals`
     settings : StillnessSettings
 
     Returns
@@ -65,22 +111,8 @@ def find_stillness(
     (n,) bool array
     """
     settings = settings or StillnessSettings()
-    acc, gyr = as_vectors(acc_mps2, "acc_mps2"), as_vectors(gyr_radps, "gyr_radps")
-    if acc.ndim != 2 or acc.shape != gyr.shape:
-        raise InputError(f"acc_mps2 {acc.shape}, gyr_radps {gyr.shape}: expected both (n, 3)")
-
-    def odd(seconds: float) -> int:
-        return 2 * int(seconds * sampling_rate_hz / 2) + 1
-
-    def mean(values: FloatArray, seconds: float) -> FloatArray:
-        return ndimage.uniform_filter1d(values, odd(seconds), axis=0, mode="nearest")
-
-    def below(values: FloatArray, limit: float) -> NDArray[np.bool_]:
-        return np.asarray(np.einsum("ij,ij->i", values, values) < limit**2)
-
-    rate = mean(gyr, settings.mean_s)
-    deviation = mean(acc, settings.mean_s) - mean(acc, settings.local_mean_s)
-    quiet = below(rate, settings.rate_radps) & below(deviation, settings.acc_deviation_mps2)
+    rate, deviation = stillness_signals(acc_mps2, gyr_radps, sampling_rate_hz, settings)
+    quiet = (rate < settings.rate_radps) & (deviation < settings.acc_deviation_mps2)
     # An erosion by both lengths: the margin asks for quiet all around, the rest shortens.
-    reach = 2 * round((settings.margin_s + settings.shorten_s) * sampling_rate_hz) + 1
+    reach = 2 * round(settings.eroded_s * sampling_rate_hz) + 1
     return np.asarray(ndimage.minimum_filter1d(quiet.astype(np.int8), reach, mode="nearest") > 0)

@@ -2,30 +2,45 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.executors import run_all
+from mobility_imu.frames import FloatArray, as_rotation, as_vectors
 from mobility_imu.recording import Recording
+from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
-from mobility_imu.walker.calibration import SCALE_SD, navigate_recording
-from mobility_imu.walker.geometry import WalkerMount, rotation_world_to_imu
+from mobility_imu.walker.calibration import SCALE_SD
+from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.geometry import WalkerGeometry, rotation_world_to_imu
+from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
 from mobility_imu.walker.stillness import StillnessSettings
 
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = [
+    "Trajectory",
+    "body_position",
+    "estimate_trajectory",
+    "trajectory_from_path",
+    "walking_displacement",
+]
 
 NOTED_LEAN_DEG, MOST_LEAN_DEG = 3.0, 20.0
+_REACH_M, _HIGHEST_M = 0.5, 1.5
+"""How far beyond its footprint, and how high, a frame can carry an IMU."""
 
 
-@dataclass(frozen=True)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(Result):
     """Path of the walking frame; x and y along its own axes at the start, z up.
 
     Parameters
@@ -39,6 +54,7 @@ class Trajectory:
         with creep or slip of the tips, which no IMU sees
     yaw_sd_rad : (n,) array, rad
     warnings : what the user should know
+    settings, stillness : what it was found with
     """
 
     time_s: FloatArray
@@ -48,6 +64,12 @@ class Trajectory:
     horizontal_sd_m: FloatArray
     yaw_sd_rad: FloatArray
     warnings: tuple[str, ...] = ()
+    settings: NavigationSettings = field(default_factory=NavigationSettings, kw_only=True)
+    stillness: StillnessSettings = field(default_factory=StillnessSettings, kw_only=True)
+
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        return len(self.time_s)
 
     @property
     def yaw_rad(self) -> FloatArray:
@@ -56,7 +78,7 @@ class Trajectory:
         return np.asarray(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0])))
 
     def to_frame(self) -> pd.DataFrame:
-        """Give the table that ``mobility-imu walker trajectory`` writes."""
+        """Table that ``mobility-imu walker trajectory`` writes."""
         import pandas as pd
 
         return pd.DataFrame(
@@ -115,34 +137,74 @@ def walking_displacement(
     -------
     (3,) array, m, world; its length is the paper's walking length
     """
-    arm = np.asarray(translation_m, float) + np.asarray(translation_error_m, float)
-    turned = np.asarray(rotation_last, float) - np.asarray(rotation_first, float)
-    way = np.asarray(position_last_m, float) - np.asarray(position_first_m, float)
+    arm = _one("translation_m", translation_m) + _one("translation_error_m", translation_error_m)
+    turned = as_rotation(rotation_last, "rotation_last") - as_rotation(
+        rotation_first, "rotation_first"
+    )
+    way = _one("position_last_m", position_last_m) - _one("position_first_m", position_first_m)
     return np.asarray(way - turned @ arm)
 
 
+def _one(name: str, vector: ArrayLike) -> FloatArray:
+    return as_vectors(vector, name, ndim=1)
+
+
+@overload
 def estimate_trajectory(
     recording: Recording,
+    geometry: WalkerGeometry | None,
     mount: WalkerMount,
+    settings: NavigationSettings | None = None,
     *,
+    stillness: StillnessSettings | None = None,
     smooth: bool = True,
     closed_loop: ClosedLoop | None = None,
+    executor: Any = None,
+) -> Trajectory: ...
+
+
+@overload
+def estimate_trajectory(
+    recording: Sequence[Recording],
+    geometry: WalkerGeometry | None,
+    mount: WalkerMount,
     settings: NavigationSettings | None = None,
+    *,
     stillness: StillnessSettings | None = None,
-) -> Trajectory:
-    """Path of a walking frame from a recording of the IMU on it.
+    smooth: bool = True,
+    closed_loop: ClosedLoop | None = None,
+    executor: Any = None,
+) -> list[Trajectory]: ...
+
+
+def estimate_trajectory(
+    recording: Recording | Sequence[Recording],
+    geometry: WalkerGeometry | None,
+    mount: WalkerMount,
+    settings: NavigationSettings | None = None,
+    *,
+    stillness: StillnessSettings | None = None,
+    smooth: bool = True,
+    closed_loop: ClosedLoop | None = None,
+    executor: Any = None,
+) -> Trajectory | list[Trajectory]:
+    """Path of a walking frame from a recording of the IMU on it, or of several recordings.
 
     Parameters
     ----------
-    recording : Recording with a sensor "frame"; it begins at rest
+    recording : Recording with a sensor "frame"; it begins at rest. Or a list of such recordings
+    geometry : WalkerGeometry, by which a mount that lies far off the frame is noticed; None if it
+        is not known
     mount : WalkerMount, see :func:`mobility_imu.walker.calibration.calibrate_mount`
+    settings : NavigationSettings of the filter
+    stillness : StillnessSettings of the detector
     smooth : whether each estimate may use what comes after it
     closed_loop : if the walk is known to end where and as it began; never evidence of accuracy
-    settings, stillness : see :func:`mobility_imu.walker.navigation.navigate`
+    executor : anything with ``submit``, for a list of recordings; None works in this process
 
     Returns
     -------
-    Trajectory
+    Trajectory, or a list of them in the order of the recordings
 
     Raises
     ------
@@ -150,6 +212,33 @@ def estimate_trajectory(
         If the recording has no sensor "frame" with gyroscope, no still phase at its start, or by
         the mount the frame does not stand upright there.
     """
+    if not (geometry is None or isinstance(geometry, WalkerGeometry)):
+        raise InputError(f"geometry = {geometry!r:.60}: expected a WalkerGeometry or None")
+    if not isinstance(mount, WalkerMount):
+        raise InputError(f"mount = {mount!r:.60}: expected a WalkerMount")
+    estimate = partial(
+        _estimate_one,
+        geometry=geometry,
+        mount=mount,
+        settings=settings,
+        stillness=stillness,
+        smooth=smooth,
+        closed_loop=closed_loop,
+    )
+    if isinstance(recording, Recording):
+        return estimate(recording)
+    return run_all(estimate, [(each,) for each in recording], executor)
+
+
+def _estimate_one(
+    recording: Recording,
+    geometry: WalkerGeometry | None,
+    mount: WalkerMount,
+    settings: NavigationSettings | None,
+    stillness: StillnessSettings | None,
+    smooth: bool,
+    closed_loop: ClosedLoop | None,
+) -> Trajectory:
     path, warnings = navigate_recording(
         recording, smooth=smooth, settings=settings, stillness=stillness, closed_loop=closed_loop
     )
@@ -159,34 +248,62 @@ def estimate_trajectory(
     lean = float(np.rad2deg(np.arccos(np.clip(up[2], -1, 1))))
     if lean > MOST_LEAN_DEG:
         raise InputError(
-            f"by this mount the frame leans by {lean:.0f} deg while it stands: is it another "
-            "frame's mount, has the IMU been moved, or are its axes exchanged or reversed?"
+            f"{recording.source}: by this mount the frame leans by {lean:.0f} deg while it stands: "
+            "is it another frame's mount, has the IMU been moved, or are its axes exchanged or "
+            "reversed?"
         )
     if lean > NOTED_LEAN_DEG:
         warnings += (
             f"by this mount the frame leans by {lean:.1f} deg while it stands: has the IMU moved, "
             "or is the floor not level?",
         )
-    return trajectory_from_path(path, mount, warnings=warnings)
+    warnings += _far_off(mount, geometry)
+    return trajectory_from_path(
+        path, mount, settings=settings, stillness=stillness, warnings=warnings
+    )
+
+
+def _far_off(mount: WalkerMount, geometry: WalkerGeometry | None) -> tuple[str, ...]:
+    """Warn of a mount so far from the footprint that no frame carries an IMU there."""
+    if geometry is None:
+        return ()
+    half = geometry.footprint_width_m / 2 + _REACH_M
+    low = np.array([-_REACH_M, -half, 0.0])
+    high = np.array([geometry.footprint_length_m + _REACH_M, half, _HIGHEST_M])
+    place = mount.translation_body_m
+    if ((place >= low) & (place <= high)).all():
+        return ()
+    return (
+        f"by this mount the IMU is at {np.round(place, 3).tolist()} m, far off a frame of "
+        f"{geometry.footprint_width_m:g} x {geometry.footprint_length_m:g} m: are lengths in "
+        "another unit, or is it another frame's mount?",
+    )
 
 
 def trajectory_from_path(
     path: Navigation,
     mount: WalkerMount,
     *,
-    warnings: tuple[str, ...] = (),
+    settings: NavigationSettings | None = None,
+    stillness: StillnessSettings | None = None,
+    warnings: Sequence[str] = (),
 ) -> Trajectory:
-    """Do what :func:`estimate_trajectory` does, from a path of the IMU that is there already.
+    """Like :func:`estimate_trajectory`, for an existing path of the IMU.
 
     Parameters
     ----------
     path : Navigation
-    mount : as in :func:`estimate_trajectory`
-    warnings : said before
+    mount : WalkerMount
+    settings, stillness : what the path was found with; the result carries them
+    warnings : of the path; they stand first on the result
+
+    Returns
+    -------
+    Trajectory
     """
     place, body_to_world = body_position(path.position_m, path.quaternion, mount)
     first = int(np.argmax(path.still))
-    said = list(warnings)
+    notes = list(warnings)
     forward = body_to_world[first, :2, 0]
     east, north = forward / np.linalg.norm(forward)
     to_start = np.array([[east, north, 0.0], [-north, east, 0.0], [0.0, 0.0, 1.0]])
@@ -204,16 +321,28 @@ def trajectory_from_path(
     yaw_sd = 2 * np.sqrt(np.einsum("ni,ni->n", up**2, path.sd[:, :3] ** 2))
     heading = np.unwrap(np.arctan2(attitude[:, 1, 0], attitude[:, 0, 0]))
     yaw_sd = np.hypot(yaw_sd, SCALE_SD * np.abs(heading))
-    backward = _backward_share(position, attitude, path.still)
+    backward = _backward_fraction(position, attitude, path.still)
     if backward > 0.8:
-        said.append(
+        notes.append(
             "the frame went backward: was it calibrated with tilts in another order than stated?"
         )
-    return Trajectory(path.time_s, position, attitude, path.still, horizontal, yaw_sd, tuple(said))
+    return Trajectory(
+        path.time_s,
+        position,
+        attitude,
+        path.still,
+        horizontal,
+        yaw_sd,
+        tuple(notes),
+        settings=settings or NavigationSettings(),
+        stillness=stillness or StillnessSettings(),
+    )
 
 
-def _backward_share(position: FloatArray, attitude: FloatArray, still: NDArray[np.bool_]) -> float:
-    """Share of the way between rests that goes against the forward axis; 0 if it hardly moved."""
+def _backward_fraction(
+    position: FloatArray, attitude: FloatArray, still: NDArray[np.bool_]
+) -> float:
+    """Fraction of the way between rests that goes backward; 0 if the frame hardly moved."""
     at = np.nonzero(still & ~np.r_[still[1:], False])[0]
     steps = np.diff(position[at, :2], axis=0)
     length = np.linalg.norm(steps, axis=1)

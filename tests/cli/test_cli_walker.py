@@ -77,7 +77,7 @@ def test_geometry_and_walks_that_do_not_serve(tmp_path, fails, saved):
     (tmp_path / "cm.toml").write_text("[walker]\nfootprint_width_m = 60\nfootprint_length_m = 52\n")
     fails(*calibrate(geometry="cm.toml"), says=["footprint_width_m", "in cm?"])
     (tmp_path / "m.toml").write_text(TRUE_MOUNT.read_text().replace("0.987", "0.687"))
-    fails(*trajectory(), says=["m.toml", "not a rotation"])
+    fails(*trajectory(), says=["m.toml", "rotation matrix"])
     missing = ["--steps", "none/steps.csv"]
     fails(*trajectory(mount=TRUE_MOUNT), *missing, says=["no such folder"])
     walk = pd.read_csv(CORRIDOR / "walk.csv.gz")

@@ -29,7 +29,8 @@ from mobility_imu.simulation.walker import (
     simulate_tilts,
     simulate_walk,
 )
-from mobility_imu.walker.geometry import TILT_DIRECTIONS, WalkerGeometry, WalkerMount
+from mobility_imu.walker.geometry import TILT_DIRECTIONS, WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
 
 G = 9.80665
 FRAME = WalkerGeometry(0.60, 0.52)

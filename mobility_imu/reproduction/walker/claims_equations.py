@@ -11,7 +11,14 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.frames import FloatArray
 from mobility_imu.reproduction.claims import Claim, Quotation
 from mobility_imu.reproduction.walker import evidence
-from mobility_imu.walker.calibration import (
+from mobility_imu.walker.geometry import (
+    FOOTPRINT,
+    TiltDirection,
+    rotation_body_to_world,
+)
+from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.navigation import strapdown_rates
+from mobility_imu.walker.tilt_equations import (
     arm_angle,
     distance_to_edge,
     forward_axis,
@@ -21,18 +28,10 @@ from mobility_imu.walker.calibration import (
     quaternion_from_rotation,
     tilt_angle,
 )
-from mobility_imu.walker.geometry import (
-    TiltDirection,
-    WalkerGeometry,
-    WalkerMount,
-    rotation_body_to_world,
-)
-from mobility_imu.walker.navigation import strapdown_rates
 from mobility_imu.walker.trajectory import body_position, walking_displacement
 
 INPUTS = 1000
 SEED = 28
-FOOTPRINT = WalkerGeometry(footprint_width_m=0.60, footprint_length_m=0.52)
 EXACT = "rounding of double precision"
 
 
@@ -310,7 +309,7 @@ def _two_tilts() -> float:
 
 
 def _attitudes() -> FloatArray:
-    return Rotation.random(INPUTS, rng=_rng()).as_quat(scalar_first=True)
+    return np.asarray(Rotation.random(INPUTS, rng=_rng()).as_quat(scalar_first=True))
 
 
 def _quaternion_rate() -> float:
@@ -333,7 +332,7 @@ def _frame() -> float:
     mount = WalkerMount(Rotation.random(rng=rng).as_matrix(), np.array([0.4, -0.2, 0.6]))
     body_to_world = Rotation.random(INPUTS, rng=rng)
     place = rng.standard_normal((INPUTS, 3))
-    imu = place + body_to_world.apply(mount.translation_body_m)
+    imu = place + body_to_world.as_matrix() @ mount.translation_body_m
     attitude = body_to_world * Rotation.from_matrix(mount.rotation_imu_to_body)
     found, _ = body_position(imu, attitude.as_quat(scalar_first=True), mount)
     return float(np.abs(found - place).max())

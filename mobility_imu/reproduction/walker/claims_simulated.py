@@ -223,68 +223,72 @@ def _tables_apart() -> list[Claim]:
 
 def _statements() -> list[Claim]:
     """Sentences of sections 3 and 4 about the rectangle and the methods."""
-    found = []
-    holds: dict[str, Any] = {
-        "reference": 1.0,
-        "reference_from": "the statement holds",
-        "experiment": False,
-    }
-    for course in (CLOSED, OPEN):
-        row = recorded_row("tables_apart", course=course, level="realistic", corrected="both ends")
-        found.append(
-            _row(
-                f"section 4, change of attitude, {course}",
-                "share of rounds in which the choice of T counts by that change, to 0.05",
-                "of 1",
-                partial(lambda r: float(r["share_as_turned"]), row),
-                source=Quotation(
-                    "the error is proportional to the difference of the walker's attitude at the "
-                    "beginning and the end of walking"
-                ),
-                finding="K8",
-                **holds,
-                **share_rule(row["walks"]),
-            )
-        )
-        one, two = (
-            recorded_row("rectangle_by_source", course=course, level="realistic", source=source)
-            for source in ("method 1, without roots", METHOD[2])
-        )
-        found.append(
-            _row(
-                f"section 3, same performance, {course}",
-                "mean closing error, second less first method (without roots)",
-                "m",
-                partial(lambda a, b: float(b["closing_m"] - a["closing_m"]), one, two),
-                source=Quotation(
-                    "give the same performance with a distance error of approximately 3%"
-                ),
-                reference=0.0,
-                reference_from="the same performance",
-                n=one["walks"],
-                trivial=0.0,
-                trivial_model="zeros",
-                finding="K12",
-            )
-        )
-        found.append(
-            _row(
-                f"section 3, z, {course}",
-                "largest height of the end over the start",
-                "m",
-                partial(lambda c: _real("heights", "largest_m", course=c), course),
-                source=Quotation("The position error in the z-axis is equal to zero"),
-                reference=0.0,
-                reference_from="equal to zero",
-                n=one["walks"],
-                trivial=0.0,
-                trivial_model="zeros",
-                tolerance=0.005,
-                tolerance_reason="standard deviation of our filter's height at rest; the paper "
-                "sets the height to zero",
-            )
-        )
-    return found + _second_method_better()
+    of_courses = [
+        claim(course)
+        for course in (CLOSED, OPEN)
+        for claim in (_change_of_attitude, _same_performance, _height)
+    ]
+    return of_courses + _second_method_better()
+
+
+def _change_of_attitude(course: str) -> Claim:
+    row = recorded_row("tables_apart", course=course, level="realistic", corrected="both ends")
+    return _row(
+        f"section 4, change of attitude, {course}",
+        "share of rounds in which the choice of T counts by that change, to 0.05",
+        "of 1",
+        partial(lambda r: float(r["share_as_turned"]), row),
+        source=Quotation(
+            "the error is proportional to the difference of the walker's attitude at the "
+            "beginning and the end of walking"
+        ),
+        finding="K8",
+        reference=1.0,
+        reference_from="the statement holds",
+        experiment=False,
+        **share_rule(row["walks"]),
+    )
+
+
+def _same_performance(course: str) -> Claim:
+    one, two = (
+        recorded_row("rectangle_by_source", course=course, level="realistic", source=source)
+        for source in ("method 1, without roots", METHOD[2])
+    )
+    return _row(
+        f"section 3, same performance, {course}",
+        "mean closing error, second less first method (without roots)",
+        "m",
+        partial(lambda a, b: float(b["closing_m"] - a["closing_m"]), one, two),
+        source=Quotation("give the same performance with a distance error of approximately 3%"),
+        reference=0.0,
+        reference_from="the same performance",
+        n=one["walks"],
+        trivial=0.0,
+        trivial_model="zeros",
+        finding="K12",
+    )
+
+
+def _height(course: str) -> Claim:
+    row = recorded_row(
+        "rectangle_by_source", course=course, level="realistic", source="method 1, without roots"
+    )
+    return _row(
+        f"section 3, z, {course}",
+        "largest height of the end over the start",
+        "m",
+        partial(lambda c: _real("heights", "largest_m", course=c), course),
+        source=Quotation("The position error in the z-axis is equal to zero"),
+        reference=0.0,
+        reference_from="equal to zero",
+        n=row["walks"],
+        trivial=0.0,
+        trivial_model="zeros",
+        tolerance=0.005,
+        tolerance_reason="standard deviation of our filter's height at rest; the paper "
+        "sets the height to zero",
+    )
 
 
 def _second_method_better() -> list[Claim]:

@@ -14,7 +14,13 @@ from mobility_imu.reproduction.walker.tables import (
     pose_translation,
     repaired_rotation,
 )
-from mobility_imu.walker.calibration import (
+from mobility_imu.walker.geometry import (
+    TiltDirection,
+    WalkerGeometry,
+    rotation_world_to_imu,
+)
+from mobility_imu.walker.navigation import NavigationState, error_dynamics, imu_output
+from mobility_imu.walker.tilt_equations import (
     arm_angle,
     position_four_tilts,
     position_two_tilts,
@@ -22,8 +28,6 @@ from mobility_imu.walker.calibration import (
     rotation_imu_to_body,
     tilt_quaternion,
 )
-from mobility_imu.walker.geometry import TiltDirection, WalkerGeometry, rotation_world_to_imu
-from mobility_imu.walker.navigation import NavigationState, error_dynamics, imu_output
 from mobility_imu.walker.trajectory import walking_displacement
 
 Evidences = tuple[Evidence, ...]
@@ -59,7 +63,8 @@ def matrix_of_a_quaternion() -> Evidences:
 
 def _product(p: FloatArray, q: FloatArray) -> FloatArray:
     """Hamilton product, scalar first."""
-    return np.r_[p[0] * q[0] - p[1:] @ q[1:], p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:])]
+    vector = p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:])
+    return np.asarray(np.r_[p[0] * q[0] - p[1:] @ q[1:], vector])
 
 
 def _error_columns() -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -82,7 +87,7 @@ def _error_columns() -> tuple[FloatArray, FloatArray, FloatArray]:
         rate_true = 0.5 * _product(q_hat, np.r_[0, gyro - biases[:3]])
         attitude = _product(rate_hat * [1, -1, -1, -1], q_hat) + _product(back, rate_true)
         to_world = rotation_world_to_imu(q_hat).T
-        return np.r_[attitude[1:], to_world @ (acc - biases[3:]) - to_world @ acc]
+        return np.asarray(np.r_[attitude[1:], to_world @ (acc - biases[3:]) - to_world @ acc])
 
     step = 1e-6
     columns = [(rate(step * e) - rate(-step * e)) / (2 * step) for e in np.eye(6)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -47,19 +47,9 @@ def smoothing(seeds: Iterable[int], executor: Any = None) -> pd.DataFrame:
         One row per level: ``filter_rms_m``, ``smoothed_rms_m`` (mean of the walks' rms errors on
         the floor), ``walks``.
     """
-    import pandas as pd
-
     levels = {"realistic": LEVELS["realistic"], "strong rocking": ROCKING}
-    seeds = list(seeds)
-    found = {
-        name: walking_study(seeds, RECTANGLE, levels, smooth=smooth, executor=executor)
-        for name, smooth in (("filter", False), ("smoothed", True))
-    }
-    means = {
-        f"{name}_rms_m": walks.groupby("level", sort=False)["rms_m"].mean()
-        for name, walks in found.items()
-    }
-    return pd.DataFrame({**means, "walks": len(seeds) * len(POSES)}).reset_index()
+    ways: dict[str, dict[str, Any]] = {"filter": {"smooth": False}, "smoothed": {"smooth": True}}
+    return _rectangle_means(list(seeds), levels, ways, ("rms",), executor)
 
 
 def known_end(seeds: Iterable[int], executor: Any = None) -> pd.DataFrame:
@@ -75,15 +65,27 @@ def known_end(seeds: Iterable[int], executor: Any = None) -> pd.DataFrame:
         One row per level: ``free_rms_m``, ``tied_rms_m`` over the walk, ``free_end_m``,
         ``tied_end_m`` (distance of the end from its true place), ``walks``.
     """
+    levels = {name: LEVELS[name] for name in UNITS_LEVELS}
+    ends = {"free": None, "tied": ClosedLoop()}
+    ways: dict[str, dict[str, Any]] = {name: {"closed_loop": end} for name, end in ends.items()}
+    return _rectangle_means(list(seeds), levels, ways, ("rms", "end"), executor)
+
+
+def _rectangle_means(
+    seeds: list[int],
+    levels: Mapping[str, Level],
+    ways: Mapping[str, Mapping[str, Any]],
+    errors: Sequence[str],
+    executor: Any,
+) -> pd.DataFrame:
+    """Mean errors around the rectangle, one row per level, columns ``<way>_<error>_m``."""
     import pandas as pd
 
-    levels = {name: LEVELS[name] for name in UNITS_LEVELS}
-    seeds = list(seeds)
     columns: dict[str, Any] = {}
-    for name, closed in (("free", None), ("tied", ClosedLoop())):
-        walks = walking_study(seeds, RECTANGLE, levels, closed_loop=closed, executor=executor)
+    for name, options in ways.items():
+        walks = walking_study(seeds, RECTANGLE, levels, executor=executor, **options)
         groups = walks.groupby("level", sort=False)
-        columns |= {f"{name}_{what}_m": groups[f"{what}_m"].mean() for what in ("rms", "end")}
+        columns |= {f"{name}_{error}_m": groups[f"{error}_m"].mean() for error in errors}
     return pd.DataFrame({**columns, "walks": len(seeds) * len(POSES)}).reset_index()
 
 
@@ -176,7 +178,7 @@ def _end_ratios_of(seed: int, poses: tuple[str, ...] = ("1", "3", "5")) -> list[
         for pose in poses:
             unit = unit_of(seed, pose)
             run = attach_imu(motion, pose_mount(pose), level.sensor, seed=unit, unit_seed=unit)
-            path = estimate_trajectory(run.recording, pose_mount(pose))
+            path = estimate_trajectory(run.recording, None, pose_mount(pose))
             goal = run.position_body_m[-1] - run.position_body_m[0]
             off = float(np.linalg.norm((path.position_m[-1] - goal)[:2]))
             rows.append({"level": name, "ratio": off / float(path.horizontal_sd_m[-1])})

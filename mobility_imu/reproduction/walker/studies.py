@@ -17,6 +17,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
+from mobility_imu.executors import run_all
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.reproduction.walker.tables import POSES, pose_mount
 from mobility_imu.simulation import levels as levels_of_simulation
@@ -34,15 +35,13 @@ from mobility_imu.simulation.walker import (
     simulate_tilts,
     simulate_walk,
 )
-from mobility_imu.walker.calibration import (
-    Form,
-    Method,
-    calibrate_from_path,
-    navigate_recording,
-)
-from mobility_imu.walker.geometry import WalkerMount
+from mobility_imu.walker.calibration import Method, calibrate_from_path
+from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.geometry import WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, NavigationSettings
 from mobility_imu.walker.stillness import StillnessSettings
+from mobility_imu.walker.tilt_equations import Form
 from mobility_imu.walker.trajectory import trajectory_from_path
 
 if TYPE_CHECKING:
@@ -344,11 +343,15 @@ def _walk_errors(
 def spread(
     work: Callable[[int], list[dict[str, Any]]], seeds: Iterable[int], executor: Any
 ) -> list[dict[str, Any]]:
-    """Rows of all seeds, in their order, computed here or by an executor."""
-    if executor is None:
-        return [row for seed in seeds for row in work(seed)]
-    futures = [executor.submit(work, seed) for seed in seeds]
-    return [row for future in futures for row in future.result()]
+    """Rows of all seeds, in their order, computed here or by an executor.
+
+    Parameters
+    ----------
+    work : function of a seed that returns rows
+    seeds : one per repetition
+    executor : anything with ``submit``; None works in this process
+    """
+    return [row for rows in run_all(work, [(seed,) for seed in seeds], executor) for row in rows]
 
 
 def sources() -> dict[str, Level]:

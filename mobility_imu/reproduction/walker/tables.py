@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from mobility_imu.frames import FloatArray
 from mobility_imu.reproduction.published import load_published
-from mobility_imu.walker.geometry import WalkerMount
+from mobility_imu.walker.mount import WalkerMount
 
 POSES = ("1", "2", "3", "4", "5")
 PRINT_DEFECT = 0.0015
@@ -39,27 +39,51 @@ class EntryRepair(NamedTuple):
 
 
 def pose_rotation(pose: str) -> FloatArray:
-    """Printed rotation matrix of Table 1 for one mounting, (3, 3)."""
+    """Printed rotation matrix of Table 1 for one mounting, (3, 3).
+
+    Parameters
+    ----------
+    pose : "1" to "5"
+    """
     cells = load_published("walker_table1")
     entries = cells[(cells["row"] == pose) & (cells["quantity"] == "rotation")]["value"]
-    return entries.to_numpy(copy=True).reshape(3, 3)
+    return np.array(entries, float).reshape(3, 3)
 
 
 def rotation_defect(pose: str) -> float:
-    """How far the printed matrix of one mounting is from a rotation: largest abs(C C' - I)."""
+    """How far the printed matrix of one mounting is from a rotation: largest abs(C C' - I).
+
+    Parameters
+    ----------
+    pose : "1" to "5"
+    """
     matrix = pose_rotation(pose)
     return float(np.abs(matrix @ matrix.T - np.eye(3)).max())
 
 
 def nearest_rotation(matrix: FloatArray) -> FloatArray:
-    """Rotation nearest to a (3, 3) matrix in the sense of Frobenius (by its singular values)."""
+    """Rotation nearest to a matrix in the sense of Frobenius (by its singular values).
+
+    Parameters
+    ----------
+    matrix : (3, 3) array
+
+    Returns
+    -------
+    (3, 3) array
+    """
     left, _, right = np.linalg.svd(matrix)
     turn = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
-    return left @ turn @ right
+    return np.asarray(left @ turn @ right)
 
 
 def rotation_distance(matrix: FloatArray) -> float:
-    """Frobenius distance of a (3, 3) matrix from the nearest rotation."""
+    """Frobenius distance of a matrix from the nearest rotation.
+
+    Parameters
+    ----------
+    matrix : (3, 3) array
+    """
     return float(np.linalg.norm(matrix - nearest_rotation(matrix)))
 
 
@@ -138,16 +162,28 @@ def pose_mount(pose: str) -> WalkerMount:
 
 
 def pose_translation(pose: str, method: Literal[1, 2]) -> FloatArray:
-    """Printed position of the IMU (Table 1) by the first or the second method, m, (3,)."""
+    """Printed position of the IMU (Table 1) by the first or the second method, m, (3,).
+
+    Parameters
+    ----------
+    pose : "1" to "5"
+    method : 1 or 2
+    """
     cells = load_published("walker_table1").set_index(["row", "column"])["value"]
     return np.array([cells[pose, f"T{method}[{axis}]"] for axis in "xyz"])
 
 
 def runs(table: int, column: str) -> FloatArray:
-    """Values of a column of Tables 2-4 in m, averages left out, (5 poses, 6 runs)."""
+    """Values of a column of Tables 2-4 in m, averages left out, (5 poses, 6 runs).
+
+    Parameters
+    ----------
+    table : 2, 3 or 4
+    column : its header
+    """
     cells = load_published(f"walker_table{table}")
     chosen = cells[(cells["column"] == column) & ~cells["row"].str.contains("average")]
-    return chosen["value"].to_numpy().reshape(5, 6)
+    return np.array(chosen["value"], float).reshape(5, 6)
 
 
 def lever_arm_ratio() -> FloatArray:
@@ -172,7 +208,7 @@ def implied_headings() -> FloatArray:
     """
     apart = (runs(3, "x") - runs(4, "x")) + 1j * (runs(3, "y") - runs(4, "y"))
     arm = np.array([(pose_translation(p, 1) - pose_translation(p, 2))[:2] for p in POSES])
-    return np.angle(-apart / (arm[:, 0] + 1j * arm[:, 1])[:, None])
+    return np.asarray(np.angle(-apart / (arm[:, 0] + 1j * arm[:, 1])[:, None]))
 
 
 def closing_with_arm(table: Literal[3, 4], heading_rad: ArrayLike = 0.0) -> FloatArray:
@@ -189,10 +225,17 @@ def closing_with_arm(table: Literal[3, 4], heading_rad: ArrayLike = 0.0) -> Floa
     """
     arm = np.array([pose_translation(p, 1 if table == 3 else 2) for p in POSES])
     turned = np.exp(1j * np.asarray(heading_rad, float))[..., None] * (arm[:, 0] + 1j * arm[:, 1])
-    return np.abs(runs(table, "x") + 1j * runs(table, "y") + turned[..., None])
+    return np.asarray(np.abs(runs(table, "x") + 1j * runs(table, "y") + turned[..., None]))
 
 
 def printed_average(table: Literal[2, 3, 4], column: str, pose: str | None = None) -> float:
-    """Printed average of a column of Tables 2-4, for one pose or (None) over all."""
+    """Printed average of a column of Tables 2-4, for one pose or over all.
+
+    Parameters
+    ----------
+    table : 2, 3 or 4
+    column : its header
+    pose : "1" to "5"; None for the average over all
+    """
     cells = load_published(f"walker_table{table}").set_index(["row", "column"])["value"]
     return float(cells["average" if pose is None else f"{pose}/average", column])

@@ -15,7 +15,7 @@ from mobility_imu.results import Result
 from mobility_imu.simulation.checks import check_kind
 from mobility_imu.simulation.sensor import MTI_1, SensorModel, measure
 from mobility_imu.simulation.walker.motion import FAST_HZ, StepTruth, TiltTruth, WalkerMotion
-from mobility_imu.walker.geometry import WalkerMount
+from mobility_imu.walker.mount import WalkerMount
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.reproduction.walker.tables import POSES, pose_mount
+from mobility_imu.reproduction.walker.truth import true_knots, true_steps
 from mobility_imu.simulation.sensor import MTI_1, without
 from mobility_imu.simulation.walker import (
     CORRIDOR,
@@ -21,11 +22,10 @@ from mobility_imu.simulation.walker import (
     attach_imu,
     simulate_walk,
 )
-from mobility_imu.walker import Trajectory, estimate_trajectory
-from mobility_imu.walker.gait import (
-    GaitSettings,
-    find_steps,
-    find_turns,
+from mobility_imu.walker import StillnessSettings, Trajectory, estimate_trajectory
+from mobility_imu.walker.geometry import FOOTPRINT
+from mobility_imu.walker.steps import GaitSettings, find_steps, find_turns
+from mobility_imu.walker.walking_tests import (
     path_at,
     six_minute_walk,
     ten_metre_walk,
@@ -49,19 +49,7 @@ def walk(course, level="realistic", seed=0, style=None, imperfections=None):
     motion = simulate_walk(course, seed=seed, style=style, imperfections=imperfections or usual)
     mount = pose_mount(POSES[seed % 5])
     made = attach_imu(motion, mount, sensor, seed=seed, unit_seed=seed)
-    return motion, estimate_trajectory(made.recording, mount)
-
-
-def truth(motion):
-    return np.array([(s.lift_s, s.place_s, s.length_m, s.turn_rad) for s in motion.steps]).T
-
-
-def true_knots(motion):
-    """First lift and placements, s, and the way along the true places, m."""
-    lift, place = truth(motion)[:2]
-    at = np.r_[0, np.searchsorted(motion.time_s, place)]
-    legs = np.linalg.norm(np.diff(motion.position_m[at, :2], axis=0), axis=1)
-    return np.r_[lift[0], place], np.r_[0, np.cumsum(legs)]
+    return motion, estimate_trajectory(made.recording, FOOTPRINT, mount)
 
 
 def drawn(moves, *, rate_hz=100.0, rest_s=1.0, move_s=1.0):
@@ -111,7 +99,7 @@ def test_times_lengths_and_turns(level):
         for seed in range(5):
             motion, trajectory = walk(course, level, seed)
             steps = find_steps(trajectory)
-            lift, place, length, turn = truth(motion)
+            lift, place, length, turn = true_steps(motion)
             assert np.abs(steps.lift_s - lift).max() < DETECTOR_S + 0.02
             # A rocking, ringing frame comes to rest later than it is put down.
             slack = 0.15 if level == "realistic" else 0.02
@@ -198,17 +186,17 @@ def test_nobody_walks():
     assert len(steps) == 0 and len(steps.to_frame()) == 0 and len(steps.path_m) == 0
     assert len(find_turns(steps).angle_rad) == 0
     with pytest.raises(InputError, match="there is none"):
-        walking_summary(steps, standing)
+        walking_summary(steps)
     with pytest.raises(InputError, match="never stands"):
         find_steps(replace(standing, stationary=np.zeros(len(standing.time_s), bool)))
 
 
 def test_settings_are_checked():
-    for wrong in ({"least_length_m": 0}, {"least_turn_rad": 5}, {"margin_s": -1}):
+    for wrong in ({"least_length_m": 0}, {"least_turn_rad": 5}, {"least_length_m": "0.05"}):
         with pytest.raises(InputError, match=next(iter(wrong))):
             GaitSettings(**wrong)
     with pytest.raises(InputError, match="longer than half of the move"):
-        find_steps(drawn([STEP]), GaitSettings(margin_s=0.6))
+        find_steps(replace(drawn([STEP]), stillness=StillnessSettings(margin_s=0.6)))
 
 
 def test_table_has_units_in_its_names():
@@ -230,7 +218,7 @@ def test_summary_of_a_drawn_square():
         [(0.5 * c, 0.5 * s, 0.0, 0.05, 0.1)] * 4 for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))
     ]
     trajectory = drawn([move for side in sides for move in [*side, *corner]])
-    summary = walking_summary(find_steps(trajectory), trajectory)
+    summary = walking_summary(find_steps(trajectory))
     assert np.linalg.norm(trajectory.position_m[-1]) < 1e-12 and np.isclose(summary.path_m, 8.0)
     assert summary.step_count == 24 and np.isclose(summary.cadence_per_min, 30)
     assert np.isclose(summary.step_length_mean_m, 0.5) and summary.step_length_cv < 1e-12
@@ -251,8 +239,8 @@ def test_cadence_and_speed_against_truth():
     """Cadence to 0.1 /min; speed to 2 % at most, short by what the tips creep unseen."""
     for seed in range(5):
         motion, trajectory = walk(RECTANGLE, "realistic", seed)
-        summary = walking_summary(find_steps(trajectory), trajectory)
-        lift, place, *_ = truth(motion)
+        summary = walking_summary(find_steps(trajectory))
+        lift, place, *_ = true_steps(motion)
         assert abs(summary.cadence_per_min - 60 * (len(lift) - 1) / (lift[-1] - lift[0])) < 0.1
         speed = true_knots(motion)[1][-1] / (place[-1] - lift[0])
         assert abs(summary.mean_speed_mps / speed - 1) < 0.02
@@ -278,8 +266,8 @@ def test_ten_metre_walk(level):
         motion, trajectory = walk((Leg(14.0),), level, seed)
         steps, (knots, way) = find_steps(trajectory), true_knots(motion)
         at = dict(zip((0, 2, 8, 10), np.interp([0, 2, 8, 10], way, knots), strict=True))
-        static = ten_metre_walk(trajectory, steps, start="static")
-        rolling = ten_metre_walk(trajectory, steps, start="rolling")
+        static = ten_metre_walk(steps, start="static")
+        rolling = ten_metre_walk(steps, start="rolling")
         assert abs(static.duration_s / (at[10] - at[0]) - 1) < 0.02
         assert abs(rolling.duration_s / (at[8] - at[2]) - 1) < 0.02
         passed = motion.time_s[np.argmax(motion.position_m[:, 0] >= 10)]
@@ -292,31 +280,29 @@ def test_ten_metre_walk_refuses():
     trajectory = drawn([STEP] * 20)
     steps = find_steps(trajectory)
     with pytest.raises(InputError, match=r"6\.00 m long: shorter than 10 m"):
-        ten_metre_walk(trajectory, steps, start="static")
+        ten_metre_walk(steps, start="static")
     with pytest.raises(InputError, match="shorter than 8 m"):
-        ten_metre_walk(trajectory, steps, start="rolling")
+        ten_metre_walk(steps, start="rolling")
     with pytest.raises(InputError, match="start = 'flying'"):
-        ten_metre_walk(trajectory, steps, start="flying")
+        ten_metre_walk(steps, start="flying")
     with pytest.raises(InputError, match="run_up_m"):
-        ten_metre_walk(trajectory, steps, start="rolling", run_up_m=5)
-    with pytest.raises(InputError, match="not of this trajectory"):
-        ten_metre_walk(drawn([STEP]), steps, start="static")
-    assert ten_metre_walk(trajectory, steps, start="static", distance_m=6).step_count == 20
+        ten_metre_walk(steps, start="rolling", run_up_m=5)
+    assert ten_metre_walk(steps, start="static", distance_m=6).step_count == 20
 
 
 def test_distance_in_a_time():
     """Sixty seconds here, to 2 % of the truth; the refusal; the step under way."""
     motion, trajectory = walk(CORRIDOR, "realistic", 1)
     steps = find_steps(trajectory)
-    test = six_minute_walk(trajectory, steps, duration_s=60)
+    test = six_minute_walk(steps, duration_s=60)
     knots, way = true_knots(motion)
     true = np.interp(knots[0] + 60, knots, way)
     assert abs(test.distance_m / true - 1) < 0.02 and np.isclose(test.duration_s, 60)
     with pytest.raises(InputError, match=r"goes on for 7[0-9].* expected at least 360 s"):
-        six_minute_walk(trajectory, steps)
+        six_minute_walk(steps)
     drawing = drawn([STEP] * 3)
     steps = find_steps(drawing)
-    half = six_minute_walk(drawing, steps, duration_s=steps.swing_s[0] + 1.0)  # of a 2 s cycle
+    half = six_minute_walk(steps, duration_s=steps.swing_s[0] + 1.0)  # of a 2 s cycle
     assert np.isclose(half.distance_m, 0.45) and half.step_count == 1
 
 
@@ -325,8 +311,8 @@ def test_timed_up_and_go(level):
     for seed in range(5):
         motion, trajectory = walk(TIMED_UP_AND_GO, level, seed)
         steps = find_steps(trajectory)
-        lift, place, _, turn = truth(motion)
-        phases = timed_up_and_go(trajectory, steps)
+        lift, place, _, turn = true_steps(motion)
+        phases = timed_up_and_go(steps)
         turning = np.nonzero(turn)[0]
         first, second = turning[:6], turning[6:]
         true = [lift[0], lift[first[0]], place[first[-1]], lift[second[0]], place[second[-1]]]
@@ -342,7 +328,7 @@ def test_timed_up_and_go_needs_two_turns():
     half = [(0, 0, np.pi / 4, 0.04, 0.1)] * 4
     one = drawn([STEP, STEP, *half, STEP])
     with pytest.raises(InputError, match="found 1, expected 2"):
-        timed_up_and_go(one, find_steps(one))
+        timed_up_and_go(find_steps(one))
     at_once = drawn([*half, STEP, *half])
     with pytest.raises(InputError, match="no step before"):
-        timed_up_and_go(at_once, find_steps(at_once))
+        timed_up_and_go(find_steps(at_once))

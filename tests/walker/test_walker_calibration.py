@@ -1,7 +1,5 @@
 """Walker: the paper's equations, the calibration and the trajectory against simulated truth."""
 
-import dataclasses
-import functools
 import re
 
 import numpy as np
@@ -9,12 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from walker_recordings import DATASHEET, FRAME, changed, rebuilt, tilt_recording, walked
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.tables import POSES, pose_mount
-from mobility_imu.simulation.sensor import IDEAL, MTI_1, without
+from mobility_imu.simulation.sensor import IDEAL, MTI_1
 from mobility_imu.simulation.walker import (
     CORRIDOR,
     PERFECT,
@@ -31,15 +30,22 @@ from mobility_imu.walker import (
     calibrate_mount,
     estimate_trajectory,
 )
-from mobility_imu.walker.calibration import (
+from mobility_imu.walker.arc_fit import fit_arc
+from mobility_imu.walker.calibration import calibrate_from_path
+from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.geometry import TILT_DIRECTIONS, rotation_body_to_world
+from mobility_imu.walker.navigation import (
+    ClosedLoop,
+    NavigationSettings,
+    NavigationState,
+    integrate_strapdown,
+)
+from mobility_imu.walker.tilt_detection import find_tilts
+from mobility_imu.walker.tilt_equations import (
     arm_angle,
-    calibrate_from_path,
     distance_to_edge,
-    find_tilts,
-    fit_arc,
     forward_axis,
     imu_height,
-    navigate_recording,
     position_four_tilts,
     position_gain,
     position_two_tilts,
@@ -50,17 +56,12 @@ from mobility_imu.walker.calibration import (
     tilt_quaternion,
     tilt_rotation,
 )
-from mobility_imu.walker.geometry import TILT_DIRECTIONS, rotation_body_to_world
-from mobility_imu.walker.navigation import (
-    ClosedLoop,
-    NavigationSettings,
-    NavigationState,
-    integrate_strapdown,
+from mobility_imu.walker.trajectory import (
+    body_position,
+    trajectory_from_path,
+    walking_displacement,
 )
-from mobility_imu.walker.trajectory import body_position, trajectory_from_path, walking_displacement
 
-FRAME = WalkerGeometry(0.60, 0.52)
-DATASHEET = without(MTI_1, "scale_sd", "misalignment_sd_rad", "g_sensitivity_sd")
 # Inside the footprint and clear of its edges, where the printed eq. 15 is valid too.
 PLACES = st.tuples(
     st.floats(0.02, 0.50), st.floats(-0.28, 0.28), st.floats(0.1, 0.9)
@@ -84,15 +85,6 @@ def tilted(place, direction, angle):
     edge = FRAME.edge(direction)
     turn = Rotation.from_rotvec(angle * edge.axis)
     return edge.point_m + turn.apply(np.asarray(place) - edge.point_m), turn.as_matrix()
-
-
-@functools.cache
-def tilt_recording(
-    seed=0, pose="1", sensor=DATASHEET, imperfections=PERFECT, order=TILT_DIRECTIONS
-):
-    motion = simulate_tilts(FRAME, seed=seed, order=order, imperfections=imperfections)
-    unit = 10 * seed + int(pose)
-    return attach_imu(motion, pose_mount(pose), sensor, seed=unit, unit_seed=unit).recording
 
 
 def errors(calibration, pose):
@@ -235,7 +227,7 @@ def test_eq25_body_position_undoes_the_lever_arm(seed):
     rng = np.random.default_rng(seed)
     mount = WalkerMount(Rotation.random(random_state=seed).as_matrix(), rng.normal(size=3) / 3)
     body, attitude = rng.normal(size=(4, 3)), Rotation.random(4, random_state=seed + 1)
-    imu = body + attitude.apply(mount.translation_body_m)
+    imu = body + attitude.apply(np.array(mount.translation_body_m))
     q = (attitude * Rotation.from_matrix(mount.rotation_imu_to_body)).as_quat(scalar_first=True)
     place, turn = body_position(imu, q, mount)
     assert np.allclose(place, body) and np.allclose(turn, attitude.as_matrix())
@@ -443,7 +435,7 @@ def test_a_small_first_tilt_still_names_the_others():
     quaternion[span] = (attitude[span.start] * Rotation.from_rotvec(small)).as_quat(
         scalar_first=True
     )
-    left, said = find_tilts(dataclasses.replace(path, quaternion=quaternion))
+    left, said = find_tilts(changed(path, quaternion=quaternion))
     assert [tilt.direction for tilt in left] == ["back", "right", "left"]
     assert any("reaches only 8.0 deg" in text for text in said)
     # Back and right alone also fit front and left: the order has to be stated.
@@ -492,7 +484,7 @@ def test_tilt_across_a_corner_is_refused():
     ) * lean * (attitude[span.start].inv() * up * attitude[span.start]).inv()  # fmt: skip
     mixed = np.where(inside[:, None], turned.as_quat(scalar_first=True), path.quaternion)
     with pytest.raises(InputError, match=r"(39|40|41) deg off"):
-        find_tilts(dataclasses.replace(path, quaternion=mixed))
+        find_tilts(changed(path, quaternion=mixed))
 
 
 def test_ill_conditioned_mounting_is_said():
@@ -510,11 +502,11 @@ def test_saturation_is_said_and_survived():
         k = int(np.searchsorted(walk.recording.time_s, step.place_s - 0.05))
         acc[k : k + 4, 0] = 156.9
     recording = Recording(walk.recording.time_s, {"frame": Imu(acc, imu.gyr_radps)})
-    found = estimate_trajectory(recording, pose_mount("1"))
+    found = estimate_trajectory(recording, FRAME, pose_mount("1"))
     assert any("saturated in 12 samples" in said for said in found.warnings)
     end = found.position_m[-1] - walk.position_body_m[-1]
     assert np.linalg.norm(end) < 0.1  # 7.9 m if the cut samples are believed
-    whole = estimate_trajectory(walk.recording, pose_mount("1"))
+    whole = estimate_trajectory(walk.recording, FRAME, pose_mount("1"))
     assert found.horizontal_sd_m[-1] > whole.horizontal_sd_m[-1]
 
 
@@ -549,7 +541,7 @@ def test_walks_are_as_good_as_asked(sensor, corridor_m, rectangle_m):
             for pose in POSES:
                 unit = 10 * seed + int(pose)
                 walk = attach_imu(motion, pose_mount(pose), sensor, seed=unit, unit_seed=unit)
-                found = estimate_trajectory(walk.recording, pose_mount(pose))
+                found = estimate_trajectory(walk.recording, FRAME, pose_mount(pose))
                 ends = [
                     np.linalg.norm(p[-1] - p[0]) for p in (found.position_m, walk.position_body_m)
                 ]
@@ -559,7 +551,7 @@ def test_walks_are_as_good_as_asked(sensor, corridor_m, rectangle_m):
 
 def test_trajectory_table_and_heading():
     walk = attach_imu(simulate_walk(RECTANGLE, seed=1), pose_mount("4"), DATASHEET, seed=1, unit_seed=1)  # noqa: E501  # fmt: skip
-    found = estimate_trajectory(walk.recording, pose_mount("4"))
+    found = estimate_trajectory(walk.recording, FRAME, pose_mount("4"))
     table = found.to_frame()
     assert list(table) == ["time_s", "x_m", "y_m", "z_m", "yaw_deg", "stationary"]
     # Four corners to the left: once around.
@@ -568,30 +560,18 @@ def test_trajectory_table_and_heading():
     assert not found.warnings
 
 
-def walked(pose="1"):
-    return attach_imu(simulate_walk(CORRIDOR, seed=1), pose_mount(pose), DATASHEET, seed=1, unit_seed=1)  # noqa: E501  # fmt: skip
-
-
-def rebuilt(recording, *, time_s=None, acc=None, gyr=None):
-    imu = recording.sensors["frame"]
-    return Recording(
-        recording.time_s if time_s is None else time_s,
-        {"frame": Imu(imu.acc_mps2 if acc is None else acc, imu.gyr_radps if gyr is None else gyr)},
-    )
-
-
 @pytest.mark.parametrize("other", ["2", "3", "4", "5"])
 def test_another_frames_mount_is_refused(other):
     """The mounts of Table 1 lean by 40 deg and more against each other."""
     with pytest.raises(InputError, match="leans by"):
-        estimate_trajectory(walked().recording, pose_mount(other))
+        estimate_trajectory(walked().recording, FRAME, pose_mount(other))
 
 
 def test_a_mount_that_moved_a_little_is_said():
     tilt = Rotation.from_rotvec([0, np.deg2rad(5), 0]).as_matrix()
     mount = pose_mount("1")
     moved = WalkerMount(tilt @ mount.rotation_imu_to_body, mount.translation_body_m)
-    found = estimate_trajectory(walked().recording, moved)
+    found = estimate_trajectory(walked().recording, FRAME, moved)
     assert any(re.search(r"leans by [45]\.\d deg", said) for said in found.warnings)
 
 
@@ -599,15 +579,18 @@ def test_wrong_units_and_signs_are_said():
     recording = walked().recording
     imu = recording.sensors["frame"]
     with pytest.raises(InputError, match="is time_s in ms"):
-        estimate_trajectory(rebuilt(recording, time_s=1000 * recording.time_s), pose_mount("1"))
+        estimate_trajectory(
+            rebuilt(recording, time_s=1000 * recording.time_s), FRAME, pose_mount("1")
+        )
     with pytest.raises(InputError, match="is the gyroscope in deg/s"):
         degrees = np.rad2deg(imu.gyr_radps)
-        estimate_trajectory(rebuilt(recording, gyr=degrees), pose_mount("1"))
+        estimate_trajectory(rebuilt(recording, gyr=degrees), FRAME, pose_mount("1"))
     # What is said of a wrong sign does not depend on how many samples share an update.
     excess = []
     for resting in (1, 4):
         reversed_gyr = estimate_trajectory(
             rebuilt(recording, gyr=-imu.gyr_radps),
+            FRAME,
             pose_mount("1"),
             settings=NavigationSettings(resting_stride=resting),
         )
@@ -615,10 +598,10 @@ def test_wrong_units_and_signs_are_said():
         excess.append(float(re.search(r"rests are ([\d.]+) times.*signs reversed", said)[1]))
     assert np.isclose(*excess, rtol=0.3), excess
     with pytest.raises(InputError, match="reversed"):
-        estimate_trajectory(rebuilt(recording, acc=-imu.acc_mps2), pose_mount("1"))
+        estimate_trajectory(rebuilt(recording, acc=-imu.acc_mps2), FRAME, pose_mount("1"))
     acc, gyr = imu.acc_mps2.copy(), imu.gyr_radps.copy()
     acc[2000:2400], gyr[2000:2400] = acc[2000], gyr[2000]
-    frozen = estimate_trajectory(rebuilt(recording, acc=acc, gyr=gyr), pose_mount("1"))
+    frozen = estimate_trajectory(rebuilt(recording, acc=acc, gyr=gyr), FRAME, pose_mount("1"))
     assert any("was the sensor frozen" in said for said in frozen.warnings)
 
 
@@ -628,7 +611,7 @@ def test_the_mounts_errors_are_in_the_paths(tmp_path):
     stated = WalkerMount(
         mount.rotation_imu_to_body, mount.translation_body_m, [0, 0, np.deg2rad(1)], [0, 0, 0]
     )
-    plain, doubtful = (estimate_trajectory(walk.recording, m) for m in (mount, stated))
+    plain, doubtful = (estimate_trajectory(walk.recording, FRAME, m) for m in (mount, stated))
     extra = np.sqrt(doubtful.horizontal_sd_m[-1] ** 2 - plain.horizontal_sd_m[-1] ** 2)
     assert np.isclose(extra, 10 * np.deg2rad(1), rtol=0.02)
     text = (
@@ -647,7 +630,7 @@ def test_a_mount_turned_back_to_front_is_noticed_on_the_first_walk():
     mount = pose_mount("4")
     half = np.diag([-1.0, -1.0, 1.0])
     wrong = WalkerMount(half @ mount.rotation_imu_to_body, mount.translation_body_m)
-    found = estimate_trajectory(walk.recording, wrong)
+    found = estimate_trajectory(walk.recording, FRAME, wrong)
     assert any("went backward" in said for said in found.warnings)
 
 
@@ -675,10 +658,10 @@ def test_resting_recording_goes_nowhere():
         {"frame": Imu(rest + 0.012 * rng.standard_normal((6000, 3)),
                       0.0012 * rng.standard_normal((6000, 3)))},
     )  # fmt: skip
-    found = estimate_trajectory(recording, mount)
+    found = estimate_trajectory(recording, FRAME, mount)
     assert np.abs(found.position_m).max() < 2e-3 and found.stationary.all()
     with pytest.raises(InputError, match="no sensor 'frame'"):
-        estimate_trajectory(Recording(time, {"lever": recording.sensors["frame"]}), mount)
+        estimate_trajectory(Recording(time, {"lever": recording.sensors["frame"]}), FRAME, mount)
 
 
 def test_calibration_from_path_refuses_an_unknown_method():

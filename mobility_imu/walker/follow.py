@@ -1,0 +1,180 @@
+"""The path of a recording's IMU: readings checked, rests found, filter and smoother run."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray
+from mobility_imu.quality import frozen_samples, saturated_samples
+from mobility_imu.recording import Recording
+from mobility_imu.runs import runs_of
+from mobility_imu.walker.navigation import (
+    ClosedLoop,
+    Navigation,
+    NavigationSettings,
+    navigate,
+)
+from mobility_imu.walker.stillness import StillnessSettings, find_stillness
+
+__all__ = ["navigate_recording"]
+
+LATEST_REST_S = 5.0
+"""The first rest has to begin within this time."""
+LEAST_RATE_HZ = 10.0
+MOST_NIS = 2.0
+"""Mean normalised innovation of the rests above which a warning is given."""
+LARGEST_ACC_MPS2 = 200.0
+"""The usual sensors end at 16 g, 157 m/s²; a single reading beyond this is damaged."""
+_STEADY_RADPS = 0.01
+"""Scatter of a resting gyroscope is below this; in deg/s it would be above."""
+_LOCAL = 0.1
+"""Innovations that lie in so small a fraction of the rests have a cause there, not throughout."""
+
+
+def navigate_recording(
+    recording: Recording,
+    *,
+    smooth: bool = True,
+    settings: NavigationSettings | None = None,
+    stillness: StillnessSettings | None = None,
+    closed_loop: ClosedLoop | None = None,
+) -> tuple[Navigation, tuple[str, ...]]:
+    """Stillness and path of a recording's sensor "frame", with warnings.
+
+    Parameters
+    ----------
+    recording : Recording with a sensor "frame"
+    smooth, settings, closed_loop : see :func:`mobility_imu.walker.navigation.navigate`
+    stillness : StillnessSettings
+
+    Returns
+    -------
+    Navigation from the first rest on, warnings (a late rest, samples at the end of the range)
+
+    Raises
+    ------
+    InputError
+        If there is no rest within the first seconds, a reading is larger than any sensor's, the
+        rate is too low, or ``closed_loop`` is asked for without the smoother.
+    """
+    if closed_loop is not None and not smooth:
+        raise InputError("closed_loop needs the smoother: it cannot be had with smooth=False")
+    imu, gyr = recording.sensor("frame", gyroscope=True), recording.gyroscope("frame")
+    rate_hz = recording.sampling_rate_hz
+    if not LEAST_RATE_HZ <= rate_hz:
+        raise InputError(
+            f"{recording.source}: {rate_hz:g} samples per second, expected {LEAST_RATE_HZ:g} or "
+            "more (is time_s in ms?)"
+        )
+    _check_size(recording)
+    still = find_stillness(imu.acc_mps2, gyr, rate_hz, stillness)
+    cut, warnings = _faulty_samples(recording)
+    # Where up is comes from the first rest; what lies before it cannot be followed.
+    begin = int(np.argmax(still))
+    late_s = float(recording.time_s[begin] - recording.time_s[0])
+    if late_s > LATEST_REST_S or not still.any():
+        raise InputError(
+            f"{recording.source}: the frame is not still within the first {LATEST_REST_S:g} s: "
+            "expected some seconds of rest at the start, which say where up is"
+            + _why_not_still(imu.acc_mps2, gyr, rate_hz, stillness or StillnessSettings())
+        )
+    if late_s > 0.2:
+        warnings.append(
+            f"{recording.source}: the frame moves at the start; the first {late_s:.1f} s are left "
+            "out"
+        )
+    try:
+        path = navigate(
+            recording.time_s[begin:],
+            imu.acc_mps2[begin:],
+            gyr[begin:],
+            still[begin:],
+            settings,
+            smooth=smooth,
+            cut=cut[begin:],
+            closed_loop=closed_loop,
+        )
+    except InputError as error:
+        raise InputError(f"{recording.source}: {error}") from None
+    return path, (*warnings, *_inconsistent_rests(path, recording.source))
+
+
+def _check_size(recording: Recording) -> None:
+    """Check that no single acceleration is larger than any sensor's."""
+    acc = recording.sensor("frame").acc_mps2
+    beyond = np.abs(acc) > LARGEST_ACC_MPS2
+    if beyond.any():
+        k, axis = (int(index[0]) for index in np.nonzero(beyond))
+        raise InputError(
+            f"{recording.source}: frame_acc_{'xyz'[axis]} is {acc[k, axis]:.4g} m/s² at "
+            f"{recording.time_s[k]:g} s (sample {k}), more than such a sensor measures "
+            f"({LARGEST_ACC_MPS2:g}); {int(beyond.sum())} such reading(s): correct or remove them"
+        )
+
+
+def _faulty_samples(recording: Recording) -> tuple[NDArray[np.bool_], list[str]]:
+    """Samples in which the accelerometer is at the end of its range, and warnings of all faults."""
+    acc, gyr = recording.sensor("frame").acc_mps2, recording.gyroscope("frame")
+    # A sensor that seldom moves repeats its largest value by rounding; a range ends far out.
+    cut_acc = saturated_samples(acc) & (np.abs(acc).max(axis=1) > 15.0)
+    cut_gyr = saturated_samples(gyr) & (np.abs(gyr).max(axis=1) > 3.0)
+    warnings = [
+        f"{recording.source}: frame_{name} is saturated in {int(cut.sum())} samples, first at "
+        f"{recording.time_s[np.argmax(cut)]:g} s: speed and path are uncertain from there to the "
+        "next still phase"
+        for name, cut in (("acc", cut_acc), ("gyr", cut_gyr))
+        if cut.any()
+    ]
+    frozen = frozen_samples(np.hstack([acc, gyr]), recording.sampling_rate_hz)
+    if frozen.any():
+        warnings.append(
+            f"{recording.source}: the readings repeat themselves in {int(frozen.sum())} samples, "
+            f"first at {recording.time_s[np.argmax(frozen)]:g} s: was the sensor frozen?"
+        )
+    return cut_acc, warnings
+
+
+def _why_not_still(
+    acc: FloatArray, gyr: FloatArray, rate_hz: float, settings: StillnessSettings
+) -> str:
+    """What the gyroscope reads if the accelerometer alone finds the frame at rest."""
+    soon = slice(0, int(LATEST_REST_S * rate_hz))
+    quiet = find_stillness(acc[soon], np.zeros_like(gyr[soon]), rate_hz, settings)
+    if quiet.mean() <= 0.2:
+        return ""
+    rate = gyr[soon][quiet]
+    mean = float(np.linalg.norm(rate.mean(axis=0)))
+    scatter = float(rate.std(axis=0).max())
+    known = (
+        f" (the force is at rest there, but the gyroscope reads {mean:.2g} rad/s in the mean, with "
+        f"a scatter of {scatter:.2g}; up to {settings.rate_radps:g} counts as rest: "
+    )
+    if scatter < _STEADY_RADPS:
+        return known + "take its offset off first, or is the frame turning evenly?)"
+    return known + "does the frame turn, or is the gyroscope in deg/s?)"
+
+
+def _inconsistent_rests(path: Navigation, source: str) -> list[str]:
+    """Warn if the rests contradict what the filter expects, and say where they do."""
+    updates = int(path.nis_dof.sum())
+    # What is wrong throughout a rest is measured by a stride's noise, less than a sample's.
+    strides, samples = np.count_nonzero(path.nis_dof), np.count_nonzero(path.still)
+    nis = path.nis.sum() / updates * strides / samples if updates else 0.0
+    if nis <= MOST_NIS:
+        return []
+    excess = f"{source}: the rests are {np.sqrt(nis):.1f} times as far from what the filter expects"
+    rests = runs_of(path.still)
+    each = np.array([path.nis[rest].sum() for rest in rests])
+    order = np.argsort(each)[::-1]
+    carrying = int(np.searchsorted(np.cumsum(each[order]), 0.9 * each.sum())) + 1
+    if len(rests) > 1 and carrying <= max(1, _LOCAL * len(rests)):
+        worst = rests[order[0]]
+        k = worst.start + int(np.argmax(path.nis[worst]))
+        return [
+            f"{excess} as they should be, nearly all of it in {carrying} of {len(rests)} rests, "
+            f"most at {path.time_s[k]:.1f} s: was the frame moved or hit there, or is a reading "
+            "damaged?"
+        ]
+    return [f"{excess} as they should be: are axes exchanged, or signs reversed?"]

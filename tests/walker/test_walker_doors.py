@@ -1,0 +1,339 @@
+"""Walker: what is refused at the doors, and what all results have in common."""
+
+import copy
+import inspect
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from walker_recordings import FRAME, rebuilt, tilt_recording, walked
+
+import mobility_imu.walker as walker
+from mobility_imu.errors import InputError
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.reproduction.walker.tables import pose_mount
+from mobility_imu.results import Result
+from mobility_imu.simulation.sensor import IDEAL
+from mobility_imu.walker import (
+    ClosedLoop,
+    GaitSettings,
+    StillnessSettings,
+    WalkerGeometry,
+    WalkerMount,
+    calibrate_mount,
+    estimate_trajectory,
+    find_steps,
+    find_turns,
+    six_minute_walk,
+    ten_metre_walk,
+    timed_up_and_go,
+    walking_summary,
+)
+from mobility_imu.walker.arc_fit import fit_arc
+from mobility_imu.walker.calibration import calibrate_from_path
+from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.geometry import TILT_DIRECTIONS, rotation_world_to_imu
+from mobility_imu.walker.stillness import find_stillness, stillness_signals
+from mobility_imu.walker.tilt_equations import (
+    arm_angle,
+    distance_to_edge,
+    forward_axis,
+    imu_height,
+    position_four_tilts,
+    position_gain,
+    quaternion_from_rotation,
+    rotation_imu_to_body,
+    tilt_angle,
+    tilt_displacement,
+    tilt_quaternion,
+)
+from mobility_imu.walker.trajectory import walking_displacement
+from mobility_imu.walker.walking_tests import path_at, time_at
+
+MOUNT = pose_mount("1")
+QUATERNION = [1.0, 0.0, 0.0, 0.0]
+DISTANCES = dict.fromkeys(TILT_DIRECTIONS, 0.7)
+
+
+@pytest.fixture(scope="module")
+def path():
+    return navigate_recording(tilt_recording(0, "1", IDEAL))[0]
+
+
+@pytest.fixture(scope="module")
+def walk():
+    return estimate_trajectory(walked().recording, FRAME, MOUNT)
+
+
+# Options and values.
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: tilt_angle(QUATERNION, form="prnted"),
+        lambda: position_four_tilts(DISTANCES, FRAME, form="prnted"),
+        lambda: position_gain(DISTANCES, FRAME, form="prnted"),
+        lambda: rotation_world_to_imu(QUATERNION, form="prnted"),
+        lambda: calibrate_mount(tilt_recording(), FRAME, form="prnted"),
+    ],
+)
+def test_a_misspelt_form_is_refused(call):
+    with pytest.raises(InputError, match="form = 'prnted': expected 'corrected' or 'printed'"):
+        call()
+
+
+def test_other_misspelt_options_are_refused(path, walk):
+    with pytest.raises(InputError, match="method = 'best': expected 'four-tilts'"):
+        calibrate_mount(tilt_recording(), FRAME, method="best")
+    with pytest.raises(InputError, match="method = 'best'"):
+        calibrate_from_path(path, FRAME, method="best")
+    with pytest.raises(InputError, match="order = up: expected names"):
+        calibrate_mount(tilt_recording(), FRAME, order=("up",))
+    with pytest.raises(InputError, match="velocity_tilt_rad"):
+        calibrate_from_path(path, FRAME, method="two-tilts", velocity_tilt_rad=0)
+    with pytest.raises(InputError, match="start = 'flying': expected 'static' or 'rolling'"):
+        ten_metre_walk(find_steps(walk), start="flying")
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: tilt_displacement([1, 2, 3]), r"position_m: expected shape \(n, 3\)"),
+        (lambda: tilt_displacement(np.zeros((1, 3))), "both ends of a tilt"),
+        (lambda: forward_axis((1, 3)), "displacement_m: expected three components"),
+        (lambda: forward_axis([[1, 2, 3]]), r"displacement_m: expected shape \(3,\)"),
+        (lambda: tilt_angle([1.0, 0.0]), r"quaternion: expected shape \(4,\)"),
+        (lambda: rotation_imu_to_body(2 * np.eye(3), QUATERNION), "not orthogonal"),
+        (lambda: rotation_imu_to_body(np.eye(3), [2.0, 0, 0, 0]), "of length 2, expected 1"),
+        (lambda: quaternion_from_rotation(np.diag([1, 1, -1])), "a mirror"),
+        (lambda: tilt_quaternion([0, 1], 0.1), "axis: expected three components"),
+        (lambda: tilt_quaternion([0, 1, 0], "0.1"), "angle_rad"),
+        (lambda: distance_to_edge(0.1, np.nan), "angle_rad = nan"),
+        (lambda: imu_height({"front": 0.7}, FRAME), "no distance to the back, right, left edge"),
+        (lambda: imu_height({**DISTANCES, "left": -1}, FRAME), r"distances_m\['left'\] = -1"),
+        (lambda: arm_angle(np.ones((2, 3))), "velocity_mps"),
+        (lambda: walking_displacement([0, 0], [0, 0, 0], *[np.eye(3)] * 2, [0] * 3), "position_fi"),
+        (lambda: WalkerGeometry("0.6", 0.52), "footprint_width_m = '0.6': expected a number"),
+        (lambda: WalkerGeometry(0.6, None), "footprint_length_m = None: expected a number"),
+        (lambda: StillnessSettings(rate_radps=0), "StillnessSettings.rate_radps = 0"),
+        (lambda: StillnessSettings(margin_s=-0.1), "StillnessSettings.margin_s = -0.1"),
+        (lambda: StillnessSettings(mean_s="0.1"), "StillnessSettings.mean_s = '0.1'"),
+        (lambda: GaitSettings(least_turn_rad=True), "GaitSettings.least_turn_rad = True"),
+    ],
+)
+def test_shapes_and_numbers_are_checked(call, message):
+    with pytest.raises(InputError, match=message):
+        call()
+
+
+@pytest.mark.parametrize("rate", [0, -100, np.nan, np.inf, "100", None])
+def test_the_detector_needs_a_sampling_rate(rate):
+    with pytest.raises(InputError, match="sampling_rate_hz"):
+        find_stillness(np.ones((9, 3)), np.zeros((9, 3)), rate)
+
+
+@pytest.mark.parametrize(
+    ("acc", "gyr", "message"),
+    [
+        (np.ones((9, 3)), np.zeros((8, 3)), r"gyr_radps: expected shape \(9, 3\)"),
+        (np.ones(3), np.zeros(3), r"acc_mps2: expected shape \(n, 3\)"),
+        (np.ones((0, 3)), np.ones((0, 3)), "no samples"),
+        (np.full((9, 3), np.nan), np.zeros((9, 3)), "acc_mps2: not a finite number"),
+    ],
+)
+def test_the_detector_needs_finite_arrays_of_one_length(acc, gyr, message):
+    with pytest.raises(InputError, match=message):
+        stillness_signals(acc, gyr, 100.0)
+
+
+def test_an_arc_needs_three_samples_and_an_angle():
+    turn = np.tile(np.eye(3), (9, 1, 1))
+    for count, message in ((2, "2 sample"), (9, "turns by 0 deg")):
+        with pytest.raises(InputError, match=message):
+            fit_arc(np.zeros((count, 3)), turn[:count])
+    with pytest.raises(InputError, match=r"expected \(9, 3, 3\)"):
+        fit_arc(np.zeros((9, 3)), turn[:8])
+
+
+def test_no_steps_are_refused_by_all_that_need_one(walk):
+    none = find_steps(replace(walk, stationary=np.ones(len(walk), bool)))
+    assert len(none) == 0 and any("no step found" in text for text in none.warnings)
+    assert len(find_turns(none)) == 0 and len(find_turns(none).to_frame()) == 0
+    for call in (
+        walking_summary,
+        six_minute_walk,
+        timed_up_and_go,
+        lambda steps: ten_metre_walk(steps, start="static"),
+        lambda steps: path_at(steps, 1.0),
+        lambda steps: time_at(steps, 1.0),
+    ):
+        with pytest.raises(InputError, match="there is none"):
+            call(none)
+
+
+# One damaged reading, an offset, a wrong sign: the message says what is known.
+
+
+@pytest.mark.parametrize("value", [1e30, -9.8e4, 201.0])
+@pytest.mark.parametrize("door", [estimate_trajectory, calibrate_mount])
+def test_a_reading_beyond_any_sensor_is_one_clear_error(value, door):
+    recording = walked().recording if door is estimate_trajectory else tilt_recording()
+    acc = recording.sensors["frame"].acc_mps2.copy()
+    acc[120, 2] = value
+    spoilt = rebuilt(recording, acc=acc)
+    arguments = (FRAME, MOUNT) if door is estimate_trajectory else (FRAME,)
+    with pytest.raises(InputError, match=r"frame_acc_z is .* at 1\.2 s \(sample 120\)"):
+        door(spoilt, *arguments)
+
+
+def test_an_offset_of_the_gyroscope_is_not_called_a_unit():
+    recording = walked().recording
+    gyr = recording.gyroscope("frame") + np.deg2rad([0.0, 3.0, 0.0])
+    with pytest.raises(InputError, match=r"reads 0\.05\d rad/s.*take its offset off") as caught:
+        estimate_trajectory(rebuilt(recording, gyr=gyr), FRAME, MOUNT)
+    assert "deg/s" not in str(caught.value)
+
+
+def test_one_blow_is_not_called_an_exchange_of_axes():
+    recording = walked().recording
+    acc = recording.sensors["frame"].acc_mps2.copy()
+    acc[120, 2] += 150
+    found = estimate_trajectory(rebuilt(recording, acc=acc), FRAME, MOUNT)
+    said = " ".join(found.warnings)
+    assert "axes exchanged" not in said, said
+
+
+def test_a_mount_far_off_the_frame_is_said_if_the_frame_is_known():
+    far = WalkerMount(MOUNT.rotation_imu_to_body, [0.3, 1.6, 0.6])
+    recording = walked().recording
+    assert any("far off" in t for t in estimate_trajectory(recording, FRAME, far).warnings)
+    assert not estimate_trajectory(recording, None, far).warnings
+    assert not estimate_trajectory(recording, FRAME, MOUNT).warnings
+
+
+def test_arguments_in_the_wrong_order_are_refused():
+    with pytest.raises(InputError, match="geometry = WalkerMount"):
+        estimate_trajectory(walked().recording, MOUNT, FRAME)
+    with pytest.raises(InputError, match="mount = WalkerGeometry"):
+        estimate_trajectory(walked().recording, FRAME, FRAME)
+    with pytest.raises(InputError, match="closed_loop needs the smoother"):
+        estimate_trajectory(
+            walked().recording, FRAME, MOUNT, smooth=False, closed_loop=ClosedLoop()
+        )
+
+
+# Settings travel with the results.
+
+
+def test_steps_know_the_detector_of_their_path(walk):
+    """Swings by a detector with wider margins are as long: the margin is given back."""
+    wide = StillnessSettings(margin_s=0.15)
+    wider = estimate_trajectory(walked().recording, FRAME, MOUNT, stillness=wide)
+    assert wider.stillness == find_steps(wider).stillness == wide
+    usual = find_steps(walk)
+    assert usual.stillness == StillnessSettings() and usual.settings == GaitSettings()
+    assert np.isclose(find_steps(wider).swing_s.mean(), usual.swing_s.mean(), atol=1e-9)
+
+
+def test_a_turning_step_is_one_by_the_settings_that_the_steps_were_found_with():
+    """Its turning steps turn by 30 deg each."""
+    there_and_back = estimate_trajectory(turned_round().recording, FRAME, MOUNT)
+    assert len(find_turns(find_steps(there_and_back))) == 2
+    large = find_steps(there_and_back, GaitSettings(least_turn_rad=np.deg2rad(35)))
+    assert len(find_turns(large)) == 0
+
+
+# What all results have in common.
+
+
+@pytest.fixture(scope="module")
+def results(path, walk):
+    steps = find_steps(walk)
+    calibration = calibrate_from_path(path, FRAME)
+    tilt = calibration.tilts[0]
+    arc = fit_arc(path.position_m[tilt.span], path.rotation_imu_to_world()[tilt.span])
+    whole = estimate_trajectory(turned_round().recording, FRAME, MOUNT)
+    tug = timed_up_and_go(find_steps(whole))
+    return {
+        "Trajectory": walk, "Steps": steps, "Turns": find_turns(steps), "ArcFit": arc,
+        "WalkingSummary": walking_summary(steps), "WalkerCalibration": calibration,
+        "WalkerMount": calibration.mount, "TimedUpAndGo": tug,
+    }  # fmt: skip
+
+
+def turned_round():
+    from mobility_imu.simulation.walker import TIMED_UP_AND_GO
+
+    return walked(course=TIMED_UP_AND_GO)
+
+
+def test_results_can_be_pickled_and_copied_and_print_in_one_line(results):
+    for name, result in results.items():
+        assert type(result).__name__ == name and isinstance(result, Result)
+        for other in (pickle.loads(pickle.dumps(result)), copy.deepcopy(result)):
+            assert type(other) is type(result) and repr(other) == repr(result)
+            assert other != result and result == result and hash(result)
+            for field, value in vars(result).items():
+                if isinstance(value, np.ndarray):
+                    assert np.array_equal(getattr(other, field), value, equal_nan=True)
+                    assert not value.flags.writeable and not getattr(other, field).flags.writeable
+        assert "\n" not in repr(result) and len(repr(result)) < 700, repr(result)
+        if hasattr(result, "to_frame"):
+            assert len(result.to_frame()) >= 0
+
+
+def test_a_list_of_recordings_is_followed_by_any_executor(walk):
+    recordings = [walked().recording, walked("1").recording]
+    here = estimate_trajectory(recordings, FRAME, MOUNT)
+    with ThreadPoolExecutor(2) as pool:
+        there = estimate_trajectory(recordings, FRAME, MOUNT, executor=pool)
+    assert len(here) == len(there) == 2
+    for one, other in zip(here, there, strict=True):
+        assert np.array_equal(one.position_m, walk.position_m)
+        assert np.array_equal(one.position_m, other.position_m)
+
+
+def test_all_that_is_exported_has_a_docstring_with_its_parameters():
+    for name in walker.__all__:
+        public = getattr(walker, name)
+        assert public.__doc__, name
+        if inspect.isfunction(public):
+            assert "Parameters\n" in public.__doc__, name
+
+
+# Geometry files.
+
+
+def test_a_mount_is_written_as_it_is_read(tmp_path):
+    found = calibrate_mount(tilt_recording(), FRAME)
+    text = found.to_toml(tmp_path / "m.toml")
+    assert (tmp_path / "m.toml").read_text() == text
+    assert text.startswith("[walker]\nfootprint_width_m = 0.6\nfootprint_length_m = 0.52\n\n[walk")
+    assert "# all-samples: front " in text
+    read = WalkerMount.from_toml(tmp_path / "m.toml")
+    assert np.allclose(read.translation_body_m, found.mount.translation_body_m, atol=5e-5)
+    assert np.allclose(read.rotation_imu_to_body, found.mount.rotation_imu_to_body, atol=5e-7)
+    assert np.allclose(read.translation_sd_m, found.translation_sd_m, atol=5e-6)
+    assert np.allclose(read.rotation_sd_rad, found.rotation_sd_rad, atol=5e-6)
+    assert WalkerGeometry.from_toml(tmp_path / "m.toml") == FRAME
+    FRAME.to_toml(tmp_path / "g.toml")
+    assert WalkerGeometry.from_toml(tmp_path / "g.toml") == FRAME
+    alone = WalkerMount(np.eye(3), [0.1, 0.2, 0.3]).to_toml(tmp_path / "alone.toml")
+    assert alone.startswith("[walker.mount]\nrotation_imu_to_body = [[1.0, 0.0, 0.0], ")
+    assert WalkerMount.from_toml(tmp_path / "alone.toml").translation_sd_m is None
+
+
+def test_unknown_keys_of_a_mount_are_refused(tmp_path):
+    text = WalkerMount(np.eye(3), [0.1, 0.2, 0.3]).to_toml()
+    (tmp_path / "m.toml").write_text(text + "translation_m = [0, 0, 0]\n")
+    with pytest.raises(InputError, match=r"translation_m.* is unknown"):
+        WalkerMount.from_toml(tmp_path / "m.toml")
+
+
+def test_a_recording_of_a_resting_frame_needs_a_sensor_named_frame():
+    rest = Recording(np.arange(99) / 100, {"lever": Imu(np.tile([0, 0, 9.8], (99, 1)))})
+    with pytest.raises(InputError, match="no sensor 'frame'"):
+        estimate_trajectory(rest, FRAME, MOUNT)
