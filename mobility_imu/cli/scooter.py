@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from mobility_imu.frames import FloatArray
     from mobility_imu.recording import Recording
     from mobility_imu.scooter import ScooterGeometry
-    from mobility_imu.scooter.calibration import ScooterMounting
     from mobility_imu.scooter.fusion import FusedAngles
+    from mobility_imu.scooter.mount import ScooterMount
 
 Method = Literal["closed-form", "fusion"]
 Form = Literal["three-axis", "printed"]
@@ -85,13 +85,13 @@ def angles(
     """
     from mobility_imu.readers import read_recording, recording_files
     from mobility_imu.scooter import ScooterGeometry
-    from mobility_imu.scooter.calibration import read_mounting
+    from mobility_imu.scooter.mount import ScooterMount
 
     outputs = Outputs({"--output": output}, (*recording_files(recording), geometry))
     options = AngleOptions(single_imu, method, form, median_window, acc_noise_mps2, causal)
     _check_options(options)
     scooter = ScooterGeometry.from_toml(geometry)
-    mounting = read_mounting(geometry)
+    mounting = ScooterMount.from_toml(geometry)
     ride = read_recording(recording, fill_gaps_s=fill_gaps_s)
     table = estimate_ride_table(ride, scooter, mounting, options)
     outputs.write({output: csv_bytes(table, output)})
@@ -112,7 +112,7 @@ def _check_options(options: AngleOptions) -> None:
 def estimate_ride_table(
     ride: Recording,
     scooter: ScooterGeometry,
-    mounting: ScooterMounting | None,
+    mounting: ScooterMount | None,
     options: AngleOptions,
 ) -> pd.DataFrame:
     """Table of a ride's angles, as the command writes it.
@@ -121,7 +121,7 @@ def estimate_ride_table(
     ----------
     ride : Recording with a sensor ``lever`` and, unless it is used alone, ``body``
     scooter : ScooterGeometry
-    mounting : ScooterMounting that is applied to the readings, or None
+    mounting : ScooterMount that is applied to the readings, or None
     options : AngleOptions
 
     Returns
@@ -195,7 +195,7 @@ def usable_samples(ride: Recording, names: tuple[str, ...]) -> NDArray[Any]:
 def _closed_form(
     ride: Recording,
     scooter: ScooterGeometry,
-    mounting: ScooterMounting | None,
+    mounting: ScooterMount | None,
     options: AngleOptions,
 ) -> tuple[Any, ...]:
     import numpy as np
@@ -241,7 +241,7 @@ def _warn_of_median(window: int, sampling_rate_hz: float) -> None:
 def _fused(
     ride: Recording,
     scooter: ScooterGeometry,
-    mounting: ScooterMounting | None,
+    mounting: ScooterMount | None,
     options: AngleOptions,
 ) -> FusedAngles:
     import numpy as np
@@ -330,12 +330,12 @@ def read_poses(path: Path) -> list[tuple[float, float]]:
     return [(float(steering), float(throttle)) for steering, throttle in np.deg2rad(columns)]
 
 
-def mounting_to_toml(mounting: ScooterMounting, scooter: ScooterGeometry) -> str:
+def mounting_to_toml(mounting: ScooterMount, scooter: ScooterGeometry) -> str:
     """Geometry and mounting as the text of a geometry file.
 
     Parameters
     ----------
-    mounting : ScooterMounting
+    mounting : ScooterMount
     scooter : ScooterGeometry
 
     Returns

@@ -8,8 +8,6 @@ mounting.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +16,10 @@ from scipy import ndimage, optimize
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_vectors
-from mobility_imu.readers.geometry import read_arrays
+from mobility_imu.frames import FloatArray
 from mobility_imu.recording import Recording
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
+from mobility_imu.scooter.mount import ScooterMount
 
 STILL_RATE_RADPS = 0.03
 """Root mean square rate below which the lever's IMU rests."""
@@ -52,38 +50,13 @@ class ParkedPose(NamedTuple):
     throttle_rad: float
 
 
-@dataclass(frozen=True)
-class ScooterMounting:
-    """Small rotations from the IMUs' real axes to the nominal ones of {T} and {B}.
-
-    Parameters
-    ----------
-    rotation_lever_imu_to_lever, rotation_body_imu_to_body : (3, 3) arrays
-    sd_rad : (6,) array, rad, standard deviations about x, y, z of the lever's, then the body's IMU
-    unseen : names of directions that the poses tell nothing of: the prior stays there
-    """
-
-    rotation_lever_imu_to_lever: FloatArray
-    rotation_body_imu_to_body: FloatArray
-    sd_rad: FloatArray
-    unseen: tuple[str, ...]
-
-    def lever(self, vectors: ArrayLike) -> FloatArray:
-        """Turn the lever IMU's readings, (..., 3), into {T}."""
-        return as_vectors(vectors, "vectors") @ self.rotation_lever_imu_to_lever.T
-
-    def body(self, vectors: ArrayLike) -> FloatArray:
-        """Turn the body IMU's readings, (..., 3), into {B}."""
-        return as_vectors(vectors, "vectors") @ self.rotation_body_imu_to_body.T
-
-
 def calibrate_mounting(
     poses: Sequence[ParkedPose],
     geometry: ScooterGeometry,
     *,
     pose_sd_rad: float = float(np.deg2rad(0.5)),
     prior_sd_rad: float = float(np.deg2rad(2.0)),
-) -> ScooterMounting:
+) -> ScooterMount:
     """Find both mountings by least squares over parked poses (eq. 5).
 
     The attitude of the scooter need not be known: the body's IMU measures it. What the poses
@@ -101,7 +74,7 @@ def calibrate_mounting(
 
     Returns
     -------
-    ScooterMounting
+    ScooterMount
 
     Raises
     ------
@@ -140,7 +113,7 @@ def calibrate_mounting(
         for name, spread in zip(DIRECTIONS, sd, strict=True)
         if spread > 0.8 * prior_sd_rad and name not in unseen
     )
-    return ScooterMounting(
+    return ScooterMount(
         Rotation.from_rotvec(found.x[:3]).as_matrix(),
         Rotation.from_rotvec(found.x[3:]).as_matrix(),
         sd,
@@ -209,24 +182,6 @@ def parked_poses(
         ParkedPose(lever[still].mean(axis=0), body[still].mean(axis=0), *setting)
         for still, setting in zip(stills, settings_rad, strict=True)
     ]
-
-
-def read_mounting(path: str | Path) -> ScooterMounting | None:
-    """Read [scooter.mount] of a geometry file; None if it is not there.
-
-    Raises
-    ------
-    InputError
-        If a matrix is missing or is no rotation.
-    """
-    keys = ("rotation_lever_imu_to_lever", "rotation_body_imu_to_body")
-    found = read_arrays(path, "scooter.mount", dict.fromkeys(keys, (3, 3)))
-    if found is None:
-        return None
-    for key, matrix in found.items():
-        if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-3):
-            raise InputError(f"{path}, [scooter.mount] {key}: expected a 3 x 3 rotation matrix")
-    return ScooterMounting(found[keys[0]], found[keys[1]], np.full(6, np.nan), ())
 
 
 def _directions(vectors: Sequence[ArrayLike]) -> FloatArray:

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
+from mobility_imu._compiled import compiled
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_vectors
 from mobility_imu.scooter.angles import three_axis_angles
@@ -143,7 +143,7 @@ def fuse_angles(
     return FusedAngles(x[:, 0], x[:, 1], sd[:, 0], sd[:, 1], valid)
 
 
-@njit(cache=True)
+@compiled()
 def _lever_force(b, s, phi, ca, sa):
     """Eq. 5 for one sample: the lever's three components, and K2."""
     cs, ss, cp, sp = np.cos(s), np.sin(s), np.cos(phi), np.sin(phi)
@@ -152,7 +152,7 @@ def _lever_force(b, s, phi, ca, sa):
     return tx, k2 * cp - k1 * sp, k2 * sp + k1 * cp, k2
 
 
-@njit(cache=True)
+@compiled()
 def _filter(
     lever_acc, lever_gyr, body_acc, body_gyr, slow, dt, alpha, lean, noise, drift, huber, x, p
 ):
@@ -214,7 +214,7 @@ def _filter(
     return xs, ps, xs_before, ps_before, steps
 
 
-@njit(cache=True)
+@compiled()
 def _smooth(x, p, x_before, p_before, steps):
     xs, ps = x.copy(), p.copy()
     for k in range(len(x) - 2, -1, -1):
@@ -222,3 +222,85 @@ def _smooth(x, p, x_before, p_before, steps):
         xs[k] = x[k] + gain @ (xs[k + 1] - x_before[k + 1])
         ps[k] = p[k] + gain @ (ps[k + 1] - p_before[k + 1]) @ gain.T
     return xs, ps
+
+
+def complementary_angles(
+    lever_acc_mps2: ArrayLike,
+    lever_gyr_radps: ArrayLike,
+    body_acc_mps2: ArrayLike,
+    body_gyr_radps: ArrayLike,
+    sampling_rate_hz: float,
+    geometry: ScooterGeometry,
+    *,
+    time_constant_s: float = 1.5,
+) -> tuple[FloatArray, FloatArray]:
+    """Angles by a causal complementary filter: gyroscopes for the fast, eq. 5 for the slow.
+
+    The hinges' rates, the lever's gyroscope less the body's, are integrated; the result is drawn to
+    the angles of :func:`~mobility_imu.scooter.angles.three_axis_angles` from the raw accelerations
+    with the time constant. It starts from the median of the first half second: start at rest.
+
+    Parameters
+    ----------
+    lever_acc_mps2, lever_gyr_radps : (n, 3) arrays, m/s² and rad/s, in {T}
+    body_acc_mps2, body_gyr_radps : (n, 3) arrays, m/s² and rad/s, in {B}
+    sampling_rate_hz : Hz
+    geometry : ScooterGeometry
+    time_constant_s : s. A bias of b rad/s between the gyroscopes leaves b * time_constant_s. At
+        1.5 s the 0.3 deg/s of a usual gyroscope costs about half a degree; a shorter one lets more
+        of the shaking through.
+
+    Returns
+    -------
+    steering_rad, throttle_rad : (n,) arrays, rad
+    """
+    if not (sampling_rate_hz > 0 and time_constant_s > 0):
+        raise InputError(
+            f"sampling_rate_hz = {sampling_rate_hz}, time_constant_s = {time_constant_s}: "
+            "expected positive numbers"
+        )
+    arrays = [
+        np.ascontiguousarray(as_vectors(values, name))
+        for values, name in (
+            (lever_acc_mps2, "lever_acc_mps2"),
+            (lever_gyr_radps, "lever_gyr_radps"),
+            (body_acc_mps2, "body_acc_mps2"),
+            (body_gyr_radps, "body_gyr_radps"),
+        )
+    ]
+    if len({array.shape for array in arrays}) != 1 or arrays[0].ndim != 2:
+        raise InputError(f"shapes {[array.shape for array in arrays]}: expected all (n, 3)")
+    lever_acc, lever_gyr, body_acc, body_gyr = arrays
+    first = slice(0, max(1, round(0.5 * sampling_rate_hz)))
+    start = three_axis_angles(
+        np.median(lever_acc[first], axis=0), np.median(body_acc[first], axis=0), geometry
+    )
+    slow = np.column_stack(three_axis_angles(lever_acc, body_acc, geometry))
+    alpha = geometry.steering_inclination_rad
+    out = _complement(
+        slow, lever_gyr, body_gyr, np.array(start, float), 1 / sampling_rate_hz, time_constant_s,
+        alpha, alpha - geometry.lever_inclination_rad,
+    )  # fmt: skip
+    return out[:, 0], out[:, 1]
+
+
+@compiled()
+def _complement(slow, lever_gyr, body_gyr, start, dt, time_constant, alpha, lean):
+    out = np.empty_like(slow)
+    ca, sa = np.cos(alpha), np.sin(alpha)
+    share = dt / (time_constant + dt)
+    s, t = start[0], start[1]
+    for k in range(len(slow)):
+        if k > 0:
+            gt, gb = (lever_gyr[k] + lever_gyr[k - 1]) / 2, (body_gyr[k] + body_gyr[k - 1]) / 2
+            tipped = t + lean
+            level, along = gb[1] * ca + gb[2] * sa, -gb[1] * sa + gb[2] * ca
+            rate_s = -gt[1] * np.sin(tipped) + gt[2] * np.cos(tipped) - along
+            rate_t = -gt[0] + gb[0] * np.cos(s) + level * np.sin(s)
+            s += dt * rate_s
+            t += dt * rate_t
+        # Shortest way round: a blow may throw the slow angle across +-180 deg.
+        s += share * ((slow[k, 0] - s + np.pi) % (2 * np.pi) - np.pi)
+        t += share * ((slow[k, 1] - t + np.pi) % (2 * np.pi) - np.pi)
+        out[k, 0], out[k, 1] = s, t
+    return out

@@ -9,8 +9,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.frames import FloatArray
-from mobility_imu.scooter.calibration import ScooterMounting, calibrate_mounting, parked_poses
+from mobility_imu.scooter.calibration import calibrate_mounting, parked_poses
 from mobility_imu.scooter.geometry import SUZUKI_ET4D
+from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.simulation.scooter import ScooterUnit, draw_scooter, simulate_parked
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ PLACES_DEG = {
 """Pitch and roll of the places where one parks; the calibration is not told them."""
 
 
-def park_and_calibrate(unit: ScooterUnit, places: str) -> ScooterMounting:
+def park_and_calibrate(unit: ScooterUnit, places: str) -> ScooterMount:
     """Park a drawn scooter at the named places and find its mounting.
 
     Parameters

@@ -21,16 +21,10 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, wrap_angle
 from mobility_imu.recording import Imu
-from mobility_imu.scooter.driving import (
-    PAPER_MEDIAN_WINDOW,
-    complementary_angles,
-    moving_samples,
-    paper_angles,
-    reference_angles,
-    synchronise,
-)
-from mobility_imu.scooter.fusion import fuse_angles
+from mobility_imu.reproduction.scooter.paper_method import PAPER_MEDIAN_WINDOW, paper_angles
+from mobility_imu.scooter.fusion import complementary_angles, fuse_angles
 from mobility_imu.scooter.geometry import SUZUKI_ET4D
+from mobility_imu.scooter.pulses import moving_samples, reference_angles, synchronise
 from mobility_imu.simulation.scooter import (
     COURSES,
     NO_SHAKING,

@@ -13,7 +13,6 @@ from mobility_imu.scooter.calibration import (
     calibrate_mounting,
     find_stills,
     parked_poses,
-    read_mounting,
 )
 from mobility_imu.scooter.fusion import (
     FusionSettings,
@@ -21,6 +20,7 @@ from mobility_imu.scooter.fusion import (
     fuse_angles,
     move_specific_force,
 )
+from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.simulation.scooter import (
     COURSES,
     NO_SHAKING,
@@ -268,10 +268,10 @@ def test_too_few_poses():
 def test_mounting_file(tmp_path):
     path = tmp_path / "g.toml"
     path.write_text("[scooter]\nsteering_inclination_deg = 20\n")
-    assert read_mounting(path) is None
+    assert ScooterMount.from_toml(path) is None
     path.write_text("[scooter.mount]\nrotation_lever_imu_to_lever = [[1, 0], [0, 1]]\n")
     with pytest.raises(InputError, match="expected 3 x 3 numbers"):
-        read_mounting(path)
+        ScooterMount.from_toml(path)
 
 
 def test_shapes_are_checked():
