@@ -13,13 +13,14 @@ does the printed one. They meet, and the angle cannot be observed, where K2 = 0.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_vectors, wrap_angle
+from mobility_imu.hinges import column_vector, steered, turn
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 
 if TYPE_CHECKING:
@@ -67,14 +68,6 @@ class ScooterAngles:
         )
 
 
-class _ColumnForce(NamedTuple):
-    """Body's specific force in {N}: the paper's ax_B, C1 and K1."""
-
-    x: FloatArray
-    c1: FloatArray
-    k1: FloatArray
-
-
 def steering_angle(
     lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike, geometry: ScooterGeometry
 ) -> FloatArray:
@@ -100,7 +93,7 @@ def steering_angle(
         If the arrays are not three-vectors or do not broadcast together.
     """
     lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
-    column = _in_column(body, geometry)
+    column = column_vector(body, geometry.steering_inclination_rad)
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer, not an accident
         sine = lever[..., 0] / np.sqrt(column.x**2 + column.c1**2)
         return np.arcsin(sine) - np.arctan(column.x / column.c1)
@@ -134,11 +127,11 @@ def throttle_angle(
         If the arrays are not three-vectors or do not broadcast together.
     """
     lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
-    column = _in_column(body, geometry)
-    k1, k2 = column.k1, _k2(column, np.asarray(steering_rad, float))
+    column = column_vector(body, geometry.steering_inclination_rad)
+    k1, (_, k2) = column.k1, steered(column, np.asarray(steering_rad, float))
     with np.errstate(divide="ignore", invalid="ignore"):
         sine = lever[..., 1] / np.sqrt(k1**2 + k2**2)
-        return np.arctan(k2 / k1) - np.arcsin(sine) - _lean(geometry)
+        return np.arctan(k2 / k1) - np.arcsin(sine) - geometry.lean_rad
 
 
 def three_axis_angles(
@@ -194,13 +187,12 @@ def _three_axis_block(
     Differences of arctangents are taken inside one ``arctan2``, by the sine and cosine of the
     difference: half the calls.
     """
-    alpha, lean = geometry.steering_inclination_rad, _lean(geometry)
+    alpha, lean = geometry.steering_inclination_rad, geometry.lean_rad
     sin, cos = np.sin(alpha), np.cos(alpha)
     tx, ty, tz, x, c1, k1, k2, a, b, c = (row[: len(lever)] for row in workspace)
     tx[:], ty[:], tz[:] = lever.T
     x[:], a[:], b[:] = body.T
-    np.add(np.multiply(a, cos, out=c1), np.multiply(b, sin, out=c), out=c1)
-    np.subtract(np.multiply(b, cos, out=k1), np.multiply(a, sin, out=c), out=k1)
+    c1[:], k1[:] = turn(a, b, sin, cos)
     np.add(np.multiply(x, x, out=k2), np.multiply(c1, c1, out=c), out=k2)
     # The lever's x component, as it would be with the lever's length equal to the body's.
     np.add(np.multiply(tx, tx, out=a), np.multiply(ty, ty, out=c), out=a)
@@ -279,15 +271,14 @@ def estimate_angles(
         steering = steering_angle(lever, body, geometry)
         throttle = throttle_angle(lever, body, steering, geometry)
         sideways = lever[..., 0]
-    column = _in_column(body, geometry)
-    k2 = np.abs(_k2(column, steering))
+    column = column_vector(body, geometry.steering_inclination_rad)
+    k2 = np.abs(steered(column, steering)[1])
     shortest = OBSERVABILITY_LIMIT * np.linalg.norm(body, axis=-1)
     valid = (
         np.isfinite(steering)
         & np.isfinite(throttle)
         & (np.abs(sideways) <= np.hypot(column.x, column.c1))
         & (k2 > shortest)
-        & (np.hypot(k2, column.k1) > shortest)
     )
     if form == "printed":
         valid &= (column.c1 > 0) & (column.k1 > 0) & (lever[..., 2] > 0)
@@ -345,9 +336,8 @@ def angle_standard_deviations(
         if not (np.isfinite(sd) and sd >= 0):
             raise InputError(f"{name} = {sd}: expected a standard deviation, zero or positive")
     x, y, z = lever[..., 0], lever[..., 1], lever[..., 2]
-    tipped = _lean(geometry) + np.asarray(throttle_rad, float)
-    along_shaft = -y * np.sin(tipped) + z * np.cos(tipped)  # K1
-    arm = y * np.cos(tipped) + z * np.sin(tipped)  # K2
+    tipped = geometry.lean_rad + np.asarray(throttle_rad, float)
+    arm, along_shaft = turn(y, z, np.sin(tipped), np.cos(tipped))  # K2, K1
     length = np.linalg.norm(lever, axis=-1)
     noise = np.hypot(lever_sd_mps2, body_sd_mps2)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -368,23 +358,6 @@ def _vectors(lever_acc: ArrayLike, body_acc: ArrayLike) -> tuple[FloatArray, Flo
             "same number of samples"
         ) from None
     return lever, body
-
-
-def _in_column(body: FloatArray, geometry: ScooterGeometry) -> _ColumnForce:
-    sin, cos = np.sin(geometry.steering_inclination_rad), np.cos(geometry.steering_inclination_rad)
-    return _ColumnForce(
-        x=body[..., 0],
-        c1=body[..., 1] * cos + body[..., 2] * sin,
-        k1=-body[..., 1] * sin + body[..., 2] * cos,
-    )
-
-
-def _k2(column: _ColumnForce, steering_rad: FloatArray) -> FloatArray:
-    return -column.x * np.sin(steering_rad) + column.c1 * np.cos(steering_rad)
-
-
-def _lean(geometry: ScooterGeometry) -> float:
-    return geometry.steering_inclination_rad - geometry.lever_inclination_rad
 
 
 def _scaled_sideways(lever: FloatArray, body: FloatArray) -> FloatArray:

@@ -18,6 +18,7 @@ from scipy import ndimage
 from mobility_imu._compiled import compiled
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.hinges import hinge_rates, tip_reading
 from mobility_imu.scooter.angles import three_axis_angles
 from mobility_imu.scooter.geometry import ScooterGeometry
 
@@ -125,7 +126,7 @@ def fuse_angles(
         np.median(lever_acc[first], axis=0), np.median(body_acc[first], axis=0), geometry
     )
     alpha = geometry.steering_inclination_rad
-    lean = alpha - geometry.lever_inclination_rad
+    lean = geometry.lean_rad
     state = np.array([*start, 0.0, 0.0], float)
     spread = np.diag([0.35, 0.35, settings.bias_sd_radps, settings.bias_sd_radps]) ** 2
     dt = 1 / sampling_rate_hz
@@ -144,15 +145,6 @@ def fuse_angles(
 
 
 @compiled()
-def _lever_force(b, s, phi, ca, sa):
-    """Eq. 5 for one sample: the lever's three components, and K2."""
-    cs, ss, cp, sp = np.cos(s), np.sin(s), np.cos(phi), np.sin(phi)
-    c1, k1 = b[1] * ca + b[2] * sa, -b[1] * sa + b[2] * ca
-    tx, k2 = b[0] * cs + c1 * ss, -b[0] * ss + c1 * cs
-    return tx, k2 * cp - k1 * sp, k2 * sp + k1 * cp, k2
-
-
-@compiled()
 def _filter(
     lever_acc, lever_gyr, body_acc, body_gyr, slow, dt, alpha, lean, noise, drift, huber, x, p
 ):
@@ -168,15 +160,9 @@ def _filter(
         f = np.eye(4)
         if k > 0:
             gt, gb = (lever_gyr[k] + lever_gyr[k - 1]) / 2, (body_gyr[k] + body_gyr[k - 1]) / 2
-            s, phi = x[0], x[1] + lean
-            cs, ss, cp, sp = np.cos(s), np.sin(s), np.cos(phi), np.sin(phi)
-            level = gb[1] * ca + gb[2] * sa
-            rate_s = -gt[1] * sp + gt[2] * cp - (-gb[1] * sa + gb[2] * ca)
-            rate_t = -gt[0] + gb[0] * cs + level * ss
-            f[0, 1] = dt * (-gt[1] * cp - gt[2] * sp)
-            f[0, 2] = -dt
-            f[1, 0] = dt * (-gb[0] * ss + level * cs)
-            f[1, 3] = -dt
+            rate_s, rate_t, s_by_t, t_by_s = hinge_rates(gt, gb, x[0], x[1] + lean, sa, ca)
+            f[0, 1], f[0, 2] = dt * s_by_t, -dt
+            f[1, 0], f[1, 3] = dt * t_by_s, -dt
             x[0] += dt * (rate_s - x[2])
             x[1] += dt * (rate_t - x[3])
             p = f @ p @ f.T
@@ -185,12 +171,12 @@ def _filter(
         steps[k] = f
         xs_before[k], ps_before[k] = x, p
         s, phi = x[0], x[1] + lean
-        tx, ty, tz, k2 = _lever_force(body_acc[k], s, phi, ca, sa)
+        tx, ty, tz, k2 = tip_reading(body_acc[k], s, phi, sa, ca)
         res[0], res[1], res[2] = lever_acc[k, 0] - tx, lever_acc[k, 1] - ty, lever_acc[k, 2] - tz
         # The slopes come from a smoothed acceleration: with the raw one its noise would stand in
         # residual and slope alike, and vibration would pull the angles to one side.
         slow += dt / SLOPE_SMOOTHING_S * (body_acc[k] - slow)
-        tx, ty, tz, k2 = _lever_force(slow, s, phi, ca, sa)
+        tx, ty, tz, k2 = tip_reading(slow, s, phi, sa, ca)
         cp, sp = np.cos(phi), np.sin(phi)
         h[0, 0], h[0, 1] = k2, 0.0
         h[1, 0], h[1, 1] = -tx * cp, -tz
@@ -279,7 +265,7 @@ def complementary_angles(
     alpha = geometry.steering_inclination_rad
     out = _complement(
         slow, lever_gyr, body_gyr, np.array(start, float), 1 / sampling_rate_hz, time_constant_s,
-        alpha, alpha - geometry.lever_inclination_rad,
+        alpha, geometry.lean_rad,
     )  # fmt: skip
     return out[:, 0], out[:, 1]
 
@@ -293,10 +279,7 @@ def _complement(slow, lever_gyr, body_gyr, start, dt, time_constant, alpha, lean
     for k in range(len(slow)):
         if k > 0:
             gt, gb = (lever_gyr[k] + lever_gyr[k - 1]) / 2, (body_gyr[k] + body_gyr[k - 1]) / 2
-            tipped = t + lean
-            level, along = gb[1] * ca + gb[2] * sa, -gb[1] * sa + gb[2] * ca
-            rate_s = -gt[1] * np.sin(tipped) + gt[2] * np.cos(tipped) - along
-            rate_t = -gt[0] + gb[0] * np.cos(s) + level * np.sin(s)
+            rate_s, rate_t, _, _ = hinge_rates(gt, gb, s, t + lean, sa, ca)
             s += dt * rate_s
             t += dt * rate_t
         # Shortest way round: a blow may throw the slow angle across +-180 deg.

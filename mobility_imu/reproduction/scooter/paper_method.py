@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from mobility_imu.errors import InputError
 from mobility_imu.filters import median_filter
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_vectors
+from mobility_imu.hinges import column_vector, steered
 from mobility_imu.scooter.angles import steering_angle, throttle_angle
 from mobility_imu.scooter.geometry import ScooterGeometry
 
@@ -79,15 +80,13 @@ def clipped_angles(
     lever = as_vectors(lever_acc_mps2, "lever_acc_mps2")
     level = (0.0, 0.0, STANDARD_GRAVITY_MPS2)
     body = as_vectors(level if body_acc_mps2 is None else body_acc_mps2, "body_acc_mps2")
-    sin, cos = np.sin(geometry.steering_inclination_rad), np.cos(geometry.steering_inclination_rad)
-    c1 = body[..., 1] * cos + body[..., 2] * sin
-    k1 = body[..., 2] * cos - body[..., 1] * sin
+    column = column_vector(body, geometry.steering_inclination_rad)
     held = lever.copy()
-    reach = np.hypot(body[..., 0], c1) * (1 - 1e-12)
+    reach = np.hypot(column.x, column.c1) * (1 - 1e-12)
     held[..., 0] = np.clip(lever[..., 0], -reach, reach)
     steering = steering_angle(held, body, geometry)
-    k2 = c1 * np.cos(steering) - body[..., 0] * np.sin(steering)
-    reach = np.hypot(k1, k2) * (1 - 1e-12)
+    _, k2 = steered(column, steering)
+    reach = np.hypot(column.k1, k2) * (1 - 1e-12)
     held[..., 1] = np.clip(lever[..., 1], -reach, reach)
     throttle = throttle_angle(held, body, steering, geometry)
     return ClippedAngles(steering, throttle, (held != lever).any(axis=-1))
