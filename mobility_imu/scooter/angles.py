@@ -19,17 +19,28 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_vectors, wrap_angle
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_number,
+    as_vectors,
+    one_of,
+    wrap_angle,
+)
 from mobility_imu.hinges import column_vector, steered, turn
+from mobility_imu.results import Result
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 
 if TYPE_CHECKING:
     import pandas as pd
 
-OBSERVABILITY_LIMIT = float(np.sin(np.deg2rad(2.0)))
-"""Smallest lever arm, as a share of the acceleration's length, on which an angle may rest.
+Form = Literal["corrected", "printed"]
+"""All three axes at once, or eqs. 6 and 7 as the paper prints them."""
 
-An error of direction (tilt of an IMU, noise over g) reaches the angle divided by this share:
+OBSERVABILITY_LIMIT = float(np.sin(np.deg2rad(2.0)))
+"""Smallest lever arm, as a fraction of the acceleration's length, on which an angle may rest.
+
+An error of direction (tilt of an IMU, noise over g) reaches the angle divided by this fraction:
 below it, 0.1 deg of tilt moves the angle by 3 deg or more.
 """
 
@@ -40,8 +51,8 @@ BLOCK = 16384
 _LOOKS_LIKE_G = 2.5
 
 
-@dataclass(frozen=True)
-class ScooterAngles:
+@dataclass(frozen=True, eq=False, repr=False)
+class ScooterAngles(Result):
     """Angles of the two controls, and whether to trust them.
 
     Parameters
@@ -49,14 +60,18 @@ class ScooterAngles:
     steering_rad : (...) array, rad, positive to the left
     throttle_rad : (...) array, rad, positive with the lever pushed
     valid : (...) bool array, see :func:`estimate_angles`
+    form : "corrected" or "printed", what they were estimated with
+    warnings : sentences for the user
     """
 
     steering_rad: FloatArray
     throttle_rad: FloatArray
     valid: NDArray[np.bool_]
+    form: Form = "corrected"
+    warnings: tuple[str, ...] = ()
 
     def to_frame(self) -> pd.DataFrame:
-        """Give a table in degrees: steering_deg, throttle_deg, valid, one row per sample."""
+        """Table in degrees with steering_deg, throttle_deg and valid, one row per sample."""
         import pandas as pd
 
         return pd.DataFrame(
@@ -168,7 +183,7 @@ def three_axis_angles(
     lever, body = (np.broadcast_to(v, shape).reshape(-1, 3) for v in (lever, body))
     angles = np.empty((2, len(lever)))
     workspace = np.empty((10, min(BLOCK, len(lever))))
-    with np.errstate(divide="ignore", invalid="ignore"):  # a zero vector has no angles: NaN
+    with np.errstate(all="ignore"):  # a zero vector has no angles: NaN
         for start in range(0, len(lever), BLOCK):
             part = slice(start, start + BLOCK)
             _three_axis_block(lever[part], body[part], geometry, angles[:, part], workspace)
@@ -211,8 +226,9 @@ def _three_axis_block(
     np.add(np.multiply(k1, tz, out=b), np.multiply(k2, ty, out=c), out=b)
     throttle = np.arctan2(a, b, out=angles[1])
     throttle -= lean
-    if throttle.min() < -np.pi or throttle.max() > np.pi:
-        throttle[:] = wrap_angle(throttle)
+    beyond = np.abs(throttle) > np.pi
+    if beyond.any():
+        throttle[beyond] = wrap_angle(throttle[beyond])
 
 
 def estimate_angles(
@@ -220,7 +236,7 @@ def estimate_angles(
     body_acc_mps2: ArrayLike | None,
     geometry: ScooterGeometry,
     *,
-    form: Literal["three-axis", "printed"] = "three-axis",
+    form: Form = "corrected",
 ) -> ScooterAngles:
     """Steering and throttle angles from one or two IMUs (eqs. 6 and 7, or both axes at once).
 
@@ -230,7 +246,7 @@ def estimate_angles(
     body_acc_mps2 : (..., 3) array, m/s², specific force in {B}. None for a single IMU: then
         the scooter is taken to stand level and still, gravity (0, 0, g) in {B}.
     geometry : ScooterGeometry
-    form : "three-axis" for :func:`three_axis_angles`; "printed" for :func:`steering_angle`
+    form : "corrected" for :func:`three_axis_angles`; "printed" for :func:`steering_angle`
         followed by :func:`throttle_angle`, as in the paper
 
     Returns
@@ -258,13 +274,12 @@ def estimate_angles(
     >>> angles.to_frame().round(1).values.tolist()
     [[30.0, 20.0, True]]
     """
-    if form not in ("three-axis", "printed"):
-        raise InputError(f"form = {form!r}: expected 'three-axis' or 'printed'")
+    one_of("form", form, ("corrected", "printed"))
     level = (0.0, 0.0, STANDARD_GRAVITY_MPS2)
     lever, body = _vectors(lever_acc_mps2, level if body_acc_mps2 is None else body_acc_mps2)
-    _refuse_wrong_gravity(lever, body, geometry)
+    check_gravity(lever, body, geometry)
 
-    if form == "three-axis":
+    if form == "corrected":
         steering, throttle = three_axis_angles(lever, body, geometry)
         sideways = _scaled_sideways(lever, body)
     else:
@@ -282,7 +297,7 @@ def estimate_angles(
     )
     if form == "printed":
         valid &= (column.c1 > 0) & (column.k1 > 0) & (lever[..., 2] > 0)
-    return ScooterAngles(steering, throttle, valid)
+    return ScooterAngles(steering, throttle, valid, form)
 
 
 def angle_standard_deviations(
@@ -332,14 +347,13 @@ def angle_standard_deviations(
     [0.168, 0.057]
     """
     lever = as_vectors(lever_acc_mps2, "lever_acc_mps2")
-    for name, sd in (("lever_sd_mps2", lever_sd_mps2), ("body_sd_mps2", body_sd_mps2)):
-        if not (np.isfinite(sd) and sd >= 0):
-            raise InputError(f"{name} = {sd}: expected a standard deviation, zero or positive")
+    lever_sd = as_number(lever_sd_mps2, "lever_sd_mps2", zero=True)
+    body_sd = as_number(body_sd_mps2, "body_sd_mps2", zero=True)
     x, y, z = lever[..., 0], lever[..., 1], lever[..., 2]
     tipped = geometry.lean_rad + np.asarray(throttle_rad, float)
     arm, along_shaft = turn(y, z, np.sin(tipped), np.cos(tipped))  # K2, K1
     length = np.linalg.norm(lever, axis=-1)
-    noise = np.hypot(lever_sd_mps2, body_sd_mps2)
+    noise = np.hypot(lever_sd, body_sd)
     with np.errstate(divide="ignore", invalid="ignore"):
         # det(HᵀH) = (length arm)²
         share = noise / (length * np.abs(arm))
@@ -361,14 +375,25 @@ def _vectors(lever_acc: ArrayLike, body_acc: ArrayLike) -> tuple[FloatArray, Flo
 
 
 def _scaled_sideways(lever: FloatArray, body: FloatArray) -> FloatArray:
-    """Give the lever's x component, as it would be with the lever's length equal to the body's."""
+    """Lever's x component, as it would be with the lever's length equal to the body's."""
     with np.errstate(divide="ignore", invalid="ignore"):
         scale = np.linalg.norm(body, axis=-1) / np.linalg.norm(lever, axis=-1)
         return lever[..., 0] * scale
 
 
-def _refuse_wrong_gravity(lever: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> None:
-    """Say it if gravity, which all rests on, has a wrong unit or sign in the median sample."""
+def check_gravity(lever: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> None:
+    """Check unit and sign of gravity, which all rests on, in the median sample.
+
+    Parameters
+    ----------
+    lever, body : (..., 3) arrays, m/s², in {T} and {B}
+    geometry : ScooterGeometry
+
+    Raises
+    ------
+    InputError
+        If the readings look like g, or gravity points the wrong way.
+    """
     lever_median, body_median = _median(lever), _median(body)
     if lever_median is None or body_median is None:
         return

@@ -3,13 +3,14 @@
 The two controls are hinges: what the lever's gyroscope reads beyond the body's is their motion.
 An extended Kalman filter integrates that, corrects it with eq. 5 sample by sample, and learns the
 difference of the gyroscopes' biases; a Rauch-Tung-Striebel pass then lets each angle use the whole
-recording.
+recording. A complementary filter stands beside it, as a simpler baseline.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,55 +18,167 @@ from scipy import ndimage
 
 from mobility_imu._compiled import compiled
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.frames import FloatArray, as_number, as_vectors, check_positive
 from mobility_imu.hinges import hinge_rates, tip_reading
-from mobility_imu.scooter.angles import three_axis_angles
+from mobility_imu.results import Result
+from mobility_imu.scooter.angles import check_gravity, three_axis_angles
 from mobility_imu.scooter.geometry import ScooterGeometry
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = [
+    "FusedAngles",
+    "FusionSettings",
+    "acceleration_noise",
+    "complementary_angles",
+    "fuse_angles",
+    "move_specific_force",
+]
 
 SLOPE_SMOOTHING_S = 0.3
 """Time constant of the acceleration from which the filter takes its derivatives."""
+LARGEST_VALID_SD_RAD = float(np.deg2rad(20.0))
+"""Standard deviation of the steering from which a sample is not valid."""
+SMALLEST_NOISE_MPS2 = 1e-3
+"""Noise that :func:`acceleration_noise` finds at least; no accelerometer of a scooter has less."""
+SLOWEST_RATE_HZ = 10.0
+"""Sampling rate below which the rates cannot be integrated: the controls turn within 0.1 s."""
+LARGEST_ACC_MPS2 = 2000.0
+"""Largest component of an acceleration, m/s²: beyond what such sensors measure (200 g)."""
+LARGEST_RATE_RADPS = 100.0
+"""Largest component of a rate, rad/s: beyond what such sensors measure (4000 deg/s is 70)."""
+# Beyond these the squares in the filter's matrices lose all digits.
+_SETTING_LIMITS = (1e-8, 1e3)
 
 
 @dataclass(frozen=True)
 class FusionSettings:
-    """What the filter takes for granted.
+    """Assumed noise model of the filter.
 
     Parameters
     ----------
     acc_sd_mps2 : m/s², sd per axis of the difference between the lever's acceleration and what
         eq. 5 makes of the body's; None takes it from the recording, see :func:`acceleration_noise`
-    rate_sd_radps : rad/s per sample, noise of the difference of the rates (two gyroscopes, flexing)
+    rate_noise_radps_sqrthz : rad/s per square root of Hz, density of the noise of the difference
+        of the rates (two gyroscopes, flexing); at 100 Hz the default is 0.01 rad/s per sample
     bias_sd_radps : rad/s, how far the rates' bias may be off at the start
     bias_walk_radps : rad/s per square root of s, how fast it may wander
     huber : residuals beyond this many sd count less
+
+    Raises
+    ------
+    InputError
+        If a value is no positive number, or beyond what can be computed with.
     """
 
     acc_sd_mps2: float | None = None
-    rate_sd_radps: float = 0.01
+    rate_noise_radps_sqrthz: float = 0.001
     bias_sd_radps: float = 0.01
     bias_walk_radps: float = 1e-4
     huber: float = 2.0
 
+    def __post_init__(self) -> None:
+        """Check every number."""
+        names = [field.name for field in dataclasses.fields(self)]
+        given = [name for name in names if name != "acc_sd_mps2" or self.acc_sd_mps2 is not None]
+        check_positive(self, *given)
+        low, high = _SETTING_LIMITS
+        for name in given:
+            if not low <= getattr(self, name) <= high:
+                raise InputError(
+                    f"FusionSettings.{name} = {getattr(self, name):g}: expected between {low:g} "
+                    f"and {high:g}"
+                )
 
-class FusedAngles(NamedTuple):
-    """Angles with their standard deviations, (n,) arrays in rad, and a flag for each sample."""
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FusedAngles(Result):
+    """Angles of the filter with their standard deviations.
+
+    Parameters
+    ----------
+    steering_rad, throttle_rad : (n,) arrays, rad
+    steering_sd_rad, throttle_sd_rad : (n,) arrays, rad, one standard deviation
+    valid : (n,) bool array: the numbers are finite, and the sd of the steering is below
+        :data:`LARGEST_VALID_SD_RAD`
+    settings : FusionSettings, with the noise that was taken from the recording
+    warnings : sentences for the user
+    """
 
     steering_rad: FloatArray
     throttle_rad: FloatArray
     steering_sd_rad: FloatArray
     throttle_sd_rad: FloatArray
     valid: NDArray[np.bool_]
+    settings: FusionSettings
+    warnings: tuple[str, ...] = ()
+
+    def to_frame(self) -> pd.DataFrame:
+        """Table in degrees with steering_deg, throttle_deg, their sd, and valid."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "steering_deg": np.rad2deg(self.steering_rad),
+                "throttle_deg": np.rad2deg(self.throttle_rad),
+                "steering_sd_deg": np.rad2deg(self.steering_sd_rad),
+                "throttle_sd_deg": np.rad2deg(self.throttle_sd_rad),
+                "valid": self.valid,
+            }
+        )
+
+
+class _Readings(NamedTuple):
+    """Contiguous (n, 3) arrays of all four sensors, checked."""
+
+    lever_acc: FloatArray
+    lever_gyr: FloatArray
+    body_acc: FloatArray
+    body_gyr: FloatArray
 
 
 def acceleration_noise(lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike) -> float:
-    """Noise of eq. 5 per axis, m/s², from the lengths of the two accelerations.
+    """Noise of eq. 5 per axis, from the lengths of the two accelerations.
 
     Whatever the angles, both IMUs should measure the same length; the spread of the difference
-    (robust, from the median absolute deviation) is the noise along one direction.
+    (robust, from the median absolute deviation) is the noise along one direction. Readings that
+    repeat themselves, of a coarse or a dead converter, have no spread that means anything: the
+    noise is one step of the converter at least, and :data:`SMALLEST_NOISE_MPS2`.
+
+    Parameters
+    ----------
+    lever_acc_mps2, body_acc_mps2 : (n, 3) arrays, m/s², best in the sensors' own axes, where the
+        steps of the converters show
+
+    Returns
+    -------
+    float, m/s²
+
+    Raises
+    ------
+    InputError
+        If the arrays differ in shape, are empty, or hold a number that is not finite.
+
+    Examples
+    --------
+    >>> parked = np.tile([0.0, 0.0, 9.81], (100, 1))
+    >>> acceleration_noise(parked, parked)
+    0.001
     """
-    lever, body = as_vectors(lever_acc_mps2, "lever"), as_vectors(body_acc_mps2, "body")
+    lever = as_vectors(lever_acc_mps2, "lever_acc_mps2", ndim=2, finite=True)
+    body = as_vectors(body_acc_mps2, "body_acc_mps2", length=len(lever), finite=True)
+    if not len(lever):
+        raise InputError("lever_acc_mps2: no sample, expected at least one")
     apart = np.linalg.norm(lever, axis=1) - np.linalg.norm(body, axis=1)
-    return float(1.4826 * np.median(np.abs(apart - np.median(apart))))
+    spread = float(1.4826 * np.median(np.abs(apart - np.median(apart))))
+    return max(spread, SMALLEST_NOISE_MPS2, _step(lever), _step(body))
+
+
+def _step(values: FloatArray) -> float:
+    """Smallest step between the readings of a sensor; 0 if they all are the same."""
+    steps = [np.diff(np.unique(axis)) for axis in values.T]
+    return min((float(step.min()) for step in steps if len(step)), default=0.0)
 
 
 def move_specific_force(
@@ -84,11 +197,23 @@ def move_specific_force(
     arm_m : (3,) array, m, from the sensor to the other place
     sampling_rate_hz : Hz
     smoothing_s : s, Gaussian smoothing of the derivative of the rate
+
+    Returns
+    -------
+    (n, 3) array, m/s²
+
+    Raises
+    ------
+    InputError
+        If the arrays differ in shape, or a number is not positive.
     """
-    acc, gyr = as_vectors(acc_mps2, "acc_mps2"), as_vectors(gyr_radps, "gyr_radps")
-    arm = np.asarray(arm_m, float)
-    spin_up = ndimage.gaussian_filter1d(gyr, smoothing_s * sampling_rate_hz, axis=0, order=1)
-    euler = np.cross(spin_up * sampling_rate_hz, arm)
+    acc = as_vectors(acc_mps2, "acc_mps2", ndim=2)
+    gyr = as_vectors(gyr_radps, "gyr_radps", length=len(acc))
+    arm = as_vectors(arm_m, "arm_m", ndim=1)
+    rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+    width = as_number(smoothing_s, "smoothing_s") * rate_hz
+    spin_up = ndimage.gaussian_filter1d(gyr, width, axis=0, order=1)
+    euler = np.cross(spin_up * rate_hz, arm)
     return acc + euler + np.cross(gyr, np.cross(gyr, arm))
 
 
@@ -103,45 +228,109 @@ def fuse_angles(
     *,
     smooth: bool = True,
 ) -> FusedAngles:
-    """Angles by an extended Kalman filter, with the smoother unless ``smooth`` is False."""
-    settings = settings or FusionSettings()
-    arrays = [
-        np.ascontiguousarray(as_vectors(values, name))
-        for name, values in (
-            ("lever_acc_mps2", lever_acc_mps2),
-            ("lever_gyr_radps", lever_gyr_radps),
-            ("body_acc_mps2", body_acc_mps2),
-            ("body_gyr_radps", body_gyr_radps),
-        )
-    ]
-    shapes = {array.shape for array in arrays}
-    if len(shapes) != 1 or arrays[0].ndim != 2:
-        raise InputError(
-            f"accelerations and rates have shapes {sorted(shapes)}: expected all (n, 3)"
-        )
-    lever_acc, lever_gyr, body_acc, body_gyr = arrays
-    noise = settings.acc_sd_mps2 or acceleration_noise(lever_acc, body_acc)
-    first = slice(0, max(1, round(0.5 * sampling_rate_hz)))
-    start = three_axis_angles(
-        np.median(lever_acc[first], axis=0), np.median(body_acc[first], axis=0), geometry
+    """Angles by an extended Kalman filter and, unless ``smooth=False``, an RTS smoother.
+
+    State: steering, throttle, and the bias of both hinges' rates. It starts from the median of the
+    first half second, so the scooter should be still there, or steered slowly.
+
+    Parameters
+    ----------
+    lever_acc_mps2, lever_gyr_radps : (n, 3) arrays, m/s² and rad/s, in {T}, all finite
+    body_acc_mps2, body_gyr_radps : (n, 3) arrays, m/s² and rad/s, in {B}, all finite
+    sampling_rate_hz : Hz, even samples, at least :data:`SLOWEST_RATE_HZ`
+    geometry : ScooterGeometry
+    settings : FusionSettings; None is the default, with the noise taken from the recording
+    smooth : whether each angle uses the whole recording; False uses the past only
+
+    Returns
+    -------
+    FusedAngles
+        ``valid`` is true where the numbers are finite and the steering's standard deviation is
+        below :data:`LARGEST_VALID_SD_RAD`. It cannot see a sensor that is frozen, saturated or
+        turned.
+
+    Raises
+    ------
+    InputError
+        Arrays of different shapes, without samples, with numbers that are not finite or that no
+        such sensor measures; a sampling rate that is too low; accelerations in g, or with gravity
+        in the wrong direction.
+    """
+    settings = FusionSettings() if settings is None else settings
+    readings, rate_hz = _checked(
+        lever_acc_mps2, lever_gyr_radps, body_acc_mps2, body_gyr_radps, sampling_rate_hz, geometry
     )
-    alpha = geometry.steering_inclination_rad
-    lean = geometry.lean_rad
-    state = np.array([*start, 0.0, 0.0], float)
-    spread = np.diag([0.35, 0.35, settings.bias_sd_radps, settings.bias_sd_radps]) ** 2
-    dt = 1 / sampling_rate_hz
+    if settings.acc_sd_mps2 is None:
+        noise = acceleration_noise(readings.lever_acc, readings.body_acc)
+        settings = dataclasses.replace(settings, acc_sd_mps2=noise)
+    assert settings.acc_sd_mps2 is not None
+    start, slow = _start(readings, rate_hz, geometry)
+    dt = 1 / rate_hz
     drift = np.array(
-        [(settings.rate_sd_radps * dt) ** 2] * 2 + [settings.bias_walk_radps**2 * dt] * 2
+        [settings.rate_noise_radps_sqrthz**2 * dt] * 2 + [settings.bias_walk_radps**2 * dt] * 2
     )
+    spread = np.diag([0.35, 0.35, settings.bias_sd_radps, settings.bias_sd_radps]) ** 2
     x, p, x_before, p_before, steps = _filter(
-        lever_acc, lever_gyr, body_acc, body_gyr, np.median(body_acc[first], axis=0), dt, alpha,
-        lean, noise**2, drift, settings.huber, state, spread,
+        *readings, slow, dt, geometry.steering_inclination_rad, geometry.lean_rad,
+        settings.acc_sd_mps2**2, drift, settings.huber, np.array([*start, 0.0, 0.0]), spread,
     )  # fmt: skip
     if smooth:
         x, p = _smooth(x, p, x_before, p_before, steps)
     sd = np.sqrt(np.maximum(p[:, [0, 1], [0, 1]], 0))
-    valid = np.isfinite(x).all(axis=1) & (sd[:, 0] < np.deg2rad(20))
-    return FusedAngles(x[:, 0], x[:, 1], sd[:, 0], sd[:, 1], valid)
+    valid = np.isfinite(x).all(axis=1) & (sd[:, 0] < LARGEST_VALID_SD_RAD)
+    return FusedAngles(
+        x[:, 0].copy(), x[:, 1].copy(), sd[:, 0].copy(), sd[:, 1].copy(), valid, settings
+    )
+
+
+def _checked(
+    lever_acc: ArrayLike,
+    lever_gyr: ArrayLike,
+    body_acc: ArrayLike,
+    body_gyr: ArrayLike,
+    sampling_rate_hz: float,
+    geometry: ScooterGeometry,
+) -> tuple[_Readings, float]:
+    """All readings as the compiled loops need them, and the sampling rate."""
+    rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+    if rate_hz < SLOWEST_RATE_HZ:
+        raise InputError(
+            f"sampling_rate_hz = {rate_hz:g}: expected {SLOWEST_RATE_HZ:g} Hz or more, for rates "
+            "are integrated (is the time in ms?)"
+        )
+    arrays = []
+    for values, name, limit in (
+        (lever_acc, "lever_acc_mps2", LARGEST_ACC_MPS2),
+        (lever_gyr, "lever_gyr_radps", LARGEST_RATE_RADPS),
+        (body_acc, "body_acc_mps2", LARGEST_ACC_MPS2),
+        (body_gyr, "body_gyr_radps", LARGEST_RATE_RADPS),
+    ):
+        array = np.ascontiguousarray(as_vectors(values, name, ndim=2, finite=True))
+        largest = float(np.abs(array).max(initial=0.0))
+        if largest > limit:
+            raise InputError(
+                f"{name}: reaches {largest:.4g}, more than any such sensor measures ({limit:g}): "
+                "is it in another unit?"
+            )
+        arrays.append(array)
+    readings = _Readings(*arrays)
+    shapes = {array.shape for array in readings}
+    if len(shapes) != 1 or not len(readings.lever_acc):
+        raise InputError(
+            f"accelerations and rates have shapes {sorted(shapes)}: expected all (n, 3), with one "
+            "sample or more"
+        )
+    check_gravity(readings.lever_acc, readings.body_acc, geometry)
+    return readings, rate_hz
+
+
+def _start(
+    readings: _Readings, rate_hz: float, geometry: ScooterGeometry
+) -> tuple[FloatArray, FloatArray]:
+    """Angles, and the body's acceleration, by the median of the first half second."""
+    first = slice(0, max(1, round(0.5 * rate_hz)))
+    lever, body = (np.median(acc[first], axis=0) for acc in (readings.lever_acc, readings.body_acc))
+    return np.array(three_axis_angles(lever, body, geometry), float), body
 
 
 @compiled()
@@ -239,33 +428,21 @@ def complementary_angles(
     Returns
     -------
     steering_rad, throttle_rad : (n,) arrays, rad
+
+    Raises
+    ------
+    InputError
+        As :func:`fuse_angles`, and if the time constant is no positive number.
     """
-    if not (sampling_rate_hz > 0 and time_constant_s > 0):
-        raise InputError(
-            f"sampling_rate_hz = {sampling_rate_hz}, time_constant_s = {time_constant_s}: "
-            "expected positive numbers"
-        )
-    arrays = [
-        np.ascontiguousarray(as_vectors(values, name))
-        for values, name in (
-            (lever_acc_mps2, "lever_acc_mps2"),
-            (lever_gyr_radps, "lever_gyr_radps"),
-            (body_acc_mps2, "body_acc_mps2"),
-            (body_gyr_radps, "body_gyr_radps"),
-        )
-    ]
-    if len({array.shape for array in arrays}) != 1 or arrays[0].ndim != 2:
-        raise InputError(f"shapes {[array.shape for array in arrays]}: expected all (n, 3)")
-    lever_acc, lever_gyr, body_acc, body_gyr = arrays
-    first = slice(0, max(1, round(0.5 * sampling_rate_hz)))
-    start = three_axis_angles(
-        np.median(lever_acc[first], axis=0), np.median(body_acc[first], axis=0), geometry
+    time_constant = as_number(time_constant_s, "time_constant_s")
+    readings, rate_hz = _checked(
+        lever_acc_mps2, lever_gyr_radps, body_acc_mps2, body_gyr_radps, sampling_rate_hz, geometry
     )
-    slow = np.column_stack(three_axis_angles(lever_acc, body_acc, geometry))
-    alpha = geometry.steering_inclination_rad
+    start, _ = _start(readings, rate_hz, geometry)
+    slow = np.column_stack(three_axis_angles(readings.lever_acc, readings.body_acc, geometry))
     out = _complement(
-        slow, lever_gyr, body_gyr, np.array(start, float), 1 / sampling_rate_hz, time_constant_s,
-        alpha, geometry.lean_rad,
+        slow, readings.lever_gyr, readings.body_gyr, start, 1 / rate_hz, time_constant,
+        geometry.steering_inclination_rad, geometry.lean_rad,
     )  # fmt: skip
     return out[:, 0], out[:, 1]
 

@@ -12,7 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_series
+from mobility_imu.frames import FloatArray, as_clock, as_number, as_series
+
+__all__ = ["ClockOffset", "moving_samples", "reference_angles", "synchronise"]
+
+BINS_PER_WINDOW = 16
+MOST_BINS = 40_000_000
+PAIRS_AT_ONCE = 4_000_000
+PAIRS_IN_ORDER = 500_000
 
 
 class ClockOffset(NamedTuple):
@@ -31,7 +38,7 @@ class ClockOffset(NamedTuple):
 def moving_samples(
     time_s: ArrayLike, pulses_s: ArrayLike, *, longest_gap_s: float
 ) -> NDArray[np.bool_]:
-    """Tell which samples were recorded in motion: those between two pulses that follow soon.
+    """Samples that were recorded in motion: those between two pulses that follow soon.
 
     The paper extracts "the data recorded during motion based on the signal from the Hall sensor"
     and says no more. A longest gap between pulses is our reading of it. Motion before the first
@@ -59,8 +66,7 @@ def moving_samples(
     [False, True, True, False, False, False]
     """
     time, pulses = as_series(time_s, "time_s"), _pulses(pulses_s, "pulses_s", 0)
-    if not longest_gap_s > 0:
-        raise InputError(f"longest_gap_s = {longest_gap_s}: expected a positive time")
+    longest_gap_s = as_number(longest_gap_s, "longest_gap_s")
     if len(pulses) < 2:
         return np.zeros(len(time), bool)
     after = np.searchsorted(pulses, time, side="right")
@@ -72,7 +78,7 @@ def moving_samples(
 def synchronise(
     pulses_s: ArrayLike, reference_pulses_s: ArrayLike, *, tolerance_s: float = 0.02
 ) -> ClockOffset:
-    """Find the offset of a second clock from the pulses that both loggers saw.
+    """Offset of a second clock, from the pulses that both loggers saw.
 
     Every pair of pulses proposes an offset. The one proposed most often, within the tolerance, is
     taken, and the median of its proposals returned: a pulse that one logger missed, or saw twice,
@@ -106,26 +112,92 @@ def synchronise(
     """
     ours = _pulses(pulses_s, "pulses_s", 3)
     theirs = _pulses(reference_pulses_s, "reference_pulses_s", 3)
-    proposed = np.sort((theirs[:, None] - ours[None, :]).ravel())
-    ends = np.searchsorted(proposed, proposed + tolerance_s, side="right")
-    votes = ends - np.arange(len(proposed))
-    best = int(np.argmax(votes))
-    offset = float(np.median(proposed[best : ends[best]]))
-    elsewhere = np.abs(proposed - offset) > 2 * tolerance_s
-    rival = int(votes[elsewhere].max(initial=0))
-    if votes[best] < 3 or rival >= votes[best]:
+    proposals = _Proposals(ours, theirs, as_number(tolerance_s, "tolerance_s"))
+    votes, first = proposals.most_votes()
+    offset = float(np.median(proposals.between(first, first + proposals.tolerance_s)))
+    rival, _ = proposals.most_votes(apart_from=offset)
+    if votes < 3 or rival >= votes:
         raise InputError(
-            f"pulses_s and reference_pulses_s: {votes[best]} of {len(ours)} pulses match at "
+            f"pulses_s and reference_pulses_s: {votes} of {len(ours)} pulses match at "
             f"{offset:.3f} s, {rival} at another offset: no one offset fits (constant speed all "
             "the way, or pulses of two rides?)"
         )
-    return ClockOffset(offset, int(votes[best]))
+    return ClockOffset(offset, votes)
+
+
+class _Proposals:
+    """Offsets that all pairs of pulses propose, counted without keeping all pairs.
+
+    A histogram with bins much narrower than the tolerance bounds the votes of every window from
+    above; only where a window may win are the proposals put in order and counted.
+    """
+
+    def __init__(self, ours: FloatArray, theirs: FloatArray, tolerance_s: float) -> None:
+        self.ours, self.theirs, self.tolerance_s = ours, theirs, tolerance_s
+        self.origin, self.step = theirs[0] - ours[-1], tolerance_s / BINS_PER_WINDOW
+        span = (theirs[-1] - ours[0] - self.origin) / self.step
+        if not span <= MOST_BINS:
+            raise InputError(
+                f"pulses_s and reference_pulses_s: {span * self.step:.3g} s from the first to the "
+                f"last, expected at most {MOST_BINS * self.step:.3g} s with a tolerance of "
+                f"{tolerance_s:g} s: are the times in s?"
+            )
+        self.bins = int(span) + 2
+        counts = np.zeros(self.bins, np.int64)
+        rows = max(1, PAIRS_AT_ONCE // len(ours))
+        for start in range(0, len(theirs), rows):
+            part = (theirs[start : start + rows, None] - ours - self.origin).ravel()
+            bins = (part / self.step).astype(np.int64)
+            low = bins.min()
+            found = np.bincount(bins - low)
+            counts[low : low + len(found)] += found
+        # A window begins in its bin and, with rounding, ends one bin beyond its width at most.
+        total = np.r_[0, np.cumsum(counts)]
+        ends = np.minimum(np.arange(len(counts)) + BINS_PER_WINDOW + 2, len(counts))
+        bound = total[ends] - total[:-1]
+        self.cuts = np.unique(
+            np.searchsorted(total, np.arange(0, total[-1], PAIRS_IN_ORDER), side="right") - 1
+        )
+        self.bound = np.maximum.reduceat(bound, self.cuts)
+
+    def between(self, low: float, high: float) -> FloatArray:
+        """Proposals from low to high, in order."""
+        starts = np.searchsorted(self.theirs, self.ours + (low - self.step), side="left")
+        stops = np.searchsorted(self.theirs, self.ours + (high + self.step), side="right")
+        counts = stops - starts
+        own = np.repeat(np.arange(len(self.ours)), counts)
+        places = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        found = np.sort(self.theirs[np.repeat(starts, counts) + places] - self.ours[own])
+        return found[(found >= low) & (found <= high)]
+
+    def most_votes(self, *, apart_from: float | None = None) -> tuple[int, float]:
+        """Most proposals in a window, and the first proposal of that window.
+
+        With ``apart_from``, only windows count that begin further from it than two tolerances.
+        """
+        most, first = 0, np.inf
+        edges = self.origin + np.r_[self.cuts, self.bins] * self.step
+        for k in np.argsort(-self.bound, kind="stable"):
+            if self.bound[k] < most:
+                break
+            high = edges[k + 1] + self.step
+            found = self.between(edges[k] - self.step, high + self.tolerance_s)
+            votes = np.searchsorted(found, found + self.tolerance_s, side="right")
+            votes -= np.arange(len(found))
+            counted = found <= high
+            if apart_from is not None:
+                counted &= np.abs(found - apart_from) > 2 * self.tolerance_s
+            votes = np.where(counted, votes, 0)
+            best = int(np.argmax(votes)) if len(votes) else 0
+            if len(votes) and (votes[best], -found[best]) > (most, -first):
+                most, first = int(votes[best]), float(found[best])
+        return most, first
 
 
 def reference_angles(
     time_s: ArrayLike, reference_time_s: ArrayLike, reference_rad: ArrayLike, offset_s: float
 ) -> FloatArray:
-    """Bring the wire sensors' angles to the times of our samples, by linear interpolation.
+    """Angles of the wire sensors at the times of our samples, by linear interpolation.
 
     Parameters
     ----------
@@ -137,9 +209,15 @@ def reference_angles(
     Returns
     -------
     (n, k) array, rad; the first and last value hold beyond the reference's ends
+
+    Raises
+    ------
+    InputError
+        If a clock does not increase, or the reference's arrays differ in length.
     """
     time = as_series(time_s, "time_s")
-    theirs = as_series(reference_time_s, "reference_time_s") - offset_s
+    offset = as_number(offset_s, "offset_s", negative=True)
+    theirs = as_clock(reference_time_s, "reference_time_s") - offset
     values = np.asarray(reference_rad, float)
     if values.ndim != 2 or len(values) != len(theirs):
         raise InputError(f"reference_rad has shape {values.shape}: expected ({len(theirs)}, k)")
@@ -147,9 +225,9 @@ def reference_angles(
 
 
 def _pulses(values: ArrayLike, name: str, least: int) -> FloatArray:
-    pulses = np.asarray(values, float)
-    if pulses.ndim != 1 or not np.isfinite(pulses).all() or (np.diff(pulses) < 0).any():
-        raise InputError(f"{name}: expected finite times in order, one axis")
+    pulses = as_series(values, name)
+    if (np.diff(pulses) < 0).any():
+        raise InputError(f"{name}: expected times in order")
     if len(pulses) < least:
         raise InputError(f"{name}: {len(pulses)} pulses, expected at least {least}")
     return pulses

@@ -41,7 +41,7 @@ WHITE = SensorModel(
 )
 STATED = FusionSettings(
     acc_sd_mps2=ACC_SD * np.sqrt(2),
-    rate_sd_radps=GYR_SD * np.sqrt(2),
+    rate_noise_radps_sqrthz=GYR_SD / 10 * np.sqrt(2),
     bias_sd_radps=0.005 * np.sqrt(2),
     bias_walk_radps=1e-6,
 )

@@ -7,15 +7,23 @@ its reference 37: subtract the body's acceleration from the lever's.
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.filters import median_filter
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_vectors
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_flags,
+    as_vectors,
+    one_of,
+)
 from mobility_imu.hinges import column_vector, steered
+from mobility_imu.results import Result
 from mobility_imu.scooter.angles import steering_angle, throttle_angle
 from mobility_imu.scooter.geometry import ScooterGeometry
 
@@ -23,7 +31,8 @@ PAPER_MEDIAN_WINDOW = 25
 """Samples in the paper's window; MATLAB's "order" of a median is its width, 0.25 s at 100 Hz."""
 
 
-class ClippedAngles(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class ClippedAngles(Result):
     """Angles by the printed formulas, and where an arcsine had to be clipped.
 
     Parameters
@@ -127,16 +136,11 @@ def paper_angles(
     InputError
         If nothing moves for as long as the window, or the body's sensor is missing.
     """
-    if method not in ("single", "dual", "subtraction"):
-        raise InputError(f"method = {method!r}: expected 'single', 'dual' or 'subtraction'")
+    one_of("method", method, ("single", "dual", "subtraction"))
     if method != "single" and body_acc_mps2 is None:
         raise InputError(f"method = {method!r}: needs the body's sensor, which is missing")
-    inside = np.asarray(moving, bool)
-    lever = as_vectors(lever_acc_mps2, "lever_acc_mps2")
-    if inside.shape != lever.shape[:1]:
-        raise InputError(
-            f"moving has shape {inside.shape}, lever_acc_mps2 {lever.shape}: expected (n,), (n, 3)"
-        )
+    lever = as_vectors(lever_acc_mps2, "lever_acc_mps2", ndim=2)
+    inside = as_flags(moving, "moving", length=len(lever))
     if inside.sum() < window:
         raise InputError(
             f"only {int(inside.sum())} samples in motion: fewer than the median window of {window}"
@@ -144,7 +148,7 @@ def paper_angles(
     lever = median_filter(lever[inside], window, edge=edge)
     if method == "single" or body_acc_mps2 is None:
         return clipped_angles(lever, None, geometry)
-    body = as_vectors(body_acc_mps2, "body_acc_mps2")
+    body = as_vectors(body_acc_mps2, "body_acc_mps2", length=len(inside))
     body = median_filter(body[inside], window, edge=edge)
     if method == "dual":
         return clipped_angles(lever, body, geometry)
