@@ -378,7 +378,7 @@ def _scaled_sideways(lever: FloatArray, body: FloatArray) -> FloatArray:
     """Lever's x component, as it would be with the lever's length equal to the body's."""
     with np.errstate(divide="ignore", invalid="ignore"):
         scale = np.linalg.norm(body, axis=-1) / np.linalg.norm(lever, axis=-1)
-        return lever[..., 0] * scale
+        return np.asarray(lever[..., 0] * scale)
 
 
 def check_gravity(lever: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> None:

@@ -49,7 +49,7 @@ LARGEST_ACC_MPS2 = 2000.0
 LARGEST_RATE_RADPS = 100.0
 """Largest component of a rate, rad/s: beyond what such sensors measure (4000 deg/s is 70)."""
 # Beyond these the squares in the filter's matrices lose all digits.
-_SETTING_LIMITS = (1e-8, 1e3)
+_SETTING_LIMITS = (1e-8, 1e8)
 
 
 @dataclass(frozen=True)
@@ -335,8 +335,21 @@ def _start(
 
 @compiled()
 def _filter(
-    lever_acc, lever_gyr, body_acc, body_gyr, slow, dt, alpha, lean, noise, drift, huber, x, p
-):
+    lever_acc: FloatArray,
+    lever_gyr: FloatArray,
+    body_acc: FloatArray,
+    body_gyr: FloatArray,
+    slow: FloatArray,
+    dt: float,
+    alpha: float,
+    lean: float,
+    noise: float,
+    drift: FloatArray,
+    huber: float,
+    x: FloatArray,
+    p: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """States and covariances after and before each correction, and transition matrices."""
     count = len(lever_acc)
     xs, ps = np.empty((count, 4)), np.empty((count, 4, 4))
     xs_before, ps_before = np.empty((count, 4)), np.empty((count, 4, 4))
@@ -375,7 +388,7 @@ def _filter(
         for i in range(3):
             innovation[i, i] += noise
         distance = np.sqrt(res @ np.linalg.solve(innovation, res) / 3)
-        r = noise * max(1.0, (distance / huber) ** 2)
+        r = noise * max(1.0, float((distance / huber) ** 2))
         dx = np.zeros(4)
         for i in range(3):
             ph = p @ h[i]
@@ -390,7 +403,10 @@ def _filter(
 
 
 @compiled()
-def _smooth(x, p, x_before, p_before, steps):
+def _smooth(
+    x: FloatArray, p: FloatArray, x_before: FloatArray, p_before: FloatArray, steps: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """States and covariances given the whole recording (Rauch-Tung-Striebel)."""
     xs, ps = x.copy(), p.copy()
     for k in range(len(x) - 2, -1, -1):
         gain = np.linalg.solve(p_before[k + 1], steps[k + 1] @ p[k]).T
@@ -448,7 +464,17 @@ def complementary_angles(
 
 
 @compiled()
-def _complement(slow, lever_gyr, body_gyr, start, dt, time_constant, alpha, lean):
+def _complement(
+    slow: FloatArray,
+    lever_gyr: FloatArray,
+    body_gyr: FloatArray,
+    start: FloatArray,
+    dt: float,
+    time_constant: float,
+    alpha: float,
+    lean: float,
+) -> FloatArray:
+    """Integrated rates of the hinges, drawn to the slow angles with the time constant."""
     out = np.empty_like(slow)
     ca, sa = np.cos(alpha), np.sin(alpha)
     share = dt / (time_constant + dt)

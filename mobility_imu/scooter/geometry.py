@@ -141,6 +141,26 @@ class ScooterGeometry:
         except InputError as error:
             raise InputError(f"{path}, [scooter]: {error}") from None
 
+    def to_toml(self, path: str | Path | None = None) -> str:
+        """Text of a section [scooter].
+
+        Parameters
+        ----------
+        path : file to write the text to, too; an existing one is replaced
+
+        Returns
+        -------
+        str
+        """
+        text = (
+            "[scooter]\n"
+            f"steering_inclination_deg = {np.rad2deg(self.steering_inclination_rad):.6g}\n"
+            f"lever_inclination_deg = {np.rad2deg(self.lever_inclination_rad):.6g}\n"
+        )
+        if path is not None:
+            Path(path).write_text(text)
+        return text
+
 
 SUZUKI_ET4D = ScooterGeometry.from_degrees(20, 9)
 """The scooter of the paper (section 2.2), with alpha 20 deg and beta 9 deg."""
@@ -263,7 +283,7 @@ def lever_acceleration(
     """
     body = as_vectors(body_acc_mps2, "body_acc_mps2")
     rotation = rotation_lever_to_body(steering_rad, throttle_rad, geometry)
-    return np.einsum("...ji,...j->...i", rotation, body)
+    return np.asarray(np.einsum("...ji,...j->...i", rotation, body))
 
 
 def body_specific_force(

@@ -170,7 +170,7 @@ class TestPaperAngles:
         [
             ({"body": None}, "body's sensor, which is missing"),
             ({"moving": np.zeros(400, bool)}, "only 0 samples in motion"),
-            ({"moving": np.ones(9, bool)}, "moving has shape"),
+            ({"moving": np.ones(9, bool)}, "moving: expected shape"),
             ({"method": "triple"}, "method = 'triple'"),
         ],
     )

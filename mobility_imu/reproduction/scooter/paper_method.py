@@ -64,7 +64,7 @@ def subtract_body(lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike) -> FloatA
     """
     lever = as_vectors(lever_acc_mps2, "lever_acc_mps2")
     body = as_vectors(body_acc_mps2, "body_acc_mps2")
-    return lever - (body - np.array([0.0, 0.0, STANDARD_GRAVITY_MPS2]))
+    return np.asarray(lever - (body - np.array([0.0, 0.0, STANDARD_GRAVITY_MPS2])))
 
 
 def clipped_angles(
