@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.plots.style import COLOURS, cue, use_style
 from mobility_imu.scooter.geometry import ScooterGeometry, body_specific_force
 from mobility_imu.scooter.sensitivity import (
+    Sensitivities,
     mirror_angles,
     sensitivities,
     single_imu_range,
@@ -41,7 +42,7 @@ def plot_costs(geometry: ScooterGeometry, *, pressed_rad: float, lock_rad: float
     import matplotlib.pyplot as plt
 
     wheel = np.linspace(-lock_rad, lock_rad, 101)
-    errors = (
+    errors: tuple[tuple[str, Callable[[Sensitivities], FloatArray]], ...] = (
         ("lever IMU about y", lambda s: s.lever_mounting[..., 1]),
         ("lever IMU about z", lambda s: s.lever_mounting[..., 2]),
         ("body IMU about y", lambda s: s.body_mounting[..., 1]),

@@ -334,6 +334,40 @@ def _start(
 
 
 @compiled()
+def _slopes(
+    acc: FloatArray, steering: float, tip: float, sin_alpha: float, cos_alpha: float
+) -> FloatArray:
+    """Derivative of eq. 5 by the state: (3, 4), with nothing by the biases."""
+    x, y, z, k2 = tip_reading(acc, steering, tip, sin_alpha, cos_alpha)
+    h = np.zeros((3, 4))
+    h[0, 0] = k2
+    h[1, 0], h[1, 1] = -x * np.cos(tip), -z
+    h[2, 0], h[2, 1] = -x * np.sin(tip), y
+    return h
+
+
+@compiled()
+def _correct(
+    x: FloatArray, p: FloatArray, residual: FloatArray, h: FloatArray, noise: float, huber: float
+) -> tuple[FloatArray, FloatArray]:
+    """State and covariance after one reading, its three axes one after the other."""
+    # Blows are far from Gaussian: what lies beyond the bound counts less.
+    innovation = h @ p @ h.T
+    for i in range(3):
+        innovation[i, i] += noise
+    distance = np.sqrt(residual @ np.linalg.solve(innovation, residual) / 3)
+    r = noise * max(1.0, float((distance / huber) ** 2))
+    dx = np.zeros(4)
+    for i in range(3):
+        ph = p @ h[i]
+        variance = h[i] @ ph + r
+        gain = ph / variance
+        dx += gain * (residual[i] - h[i] @ dx)
+        p = p - np.outer(gain, ph)
+    return x + dx, (p + p.T) / 2
+
+
+@compiled()
 def _filter(
     lever_acc: FloatArray,
     lever_gyr: FloatArray,
@@ -355,8 +389,6 @@ def _filter(
     xs_before, ps_before = np.empty((count, 4)), np.empty((count, 4, 4))
     steps = np.empty((count, 4, 4))
     ca, sa = np.cos(alpha), np.sin(alpha)
-    h, res = np.empty((3, 4)), np.empty(3)
-    h[:] = 0.0
     x, p, slow = x.copy(), p.copy(), slow.copy()
     for k in range(count):
         f = np.eye(4)
@@ -372,32 +404,12 @@ def _filter(
                 p[i, i] += drift[i]
         steps[k] = f
         xs_before[k], ps_before[k] = x, p
-        s, phi = x[0], x[1] + lean
-        tx, ty, tz, k2 = tip_reading(body_acc[k], s, phi, sa, ca)
-        res[0], res[1], res[2] = lever_acc[k, 0] - tx, lever_acc[k, 1] - ty, lever_acc[k, 2] - tz
         # The slopes come from a smoothed acceleration: with the raw one its noise would stand in
         # residual and slope alike, and vibration would pull the angles to one side.
         slow += dt / SLOPE_SMOOTHING_S * (body_acc[k] - slow)
-        tx, ty, tz, k2 = tip_reading(slow, s, phi, sa, ca)
-        cp, sp = np.cos(phi), np.sin(phi)
-        h[0, 0], h[0, 1] = k2, 0.0
-        h[1, 0], h[1, 1] = -tx * cp, -tz
-        h[2, 0], h[2, 1] = -tx * sp, ty
-        # Blows are far from Gaussian: what lies beyond the bound counts less.
-        innovation = h @ p @ h.T
-        for i in range(3):
-            innovation[i, i] += noise
-        distance = np.sqrt(res @ np.linalg.solve(innovation, res) / 3)
-        r = noise * max(1.0, float((distance / huber) ** 2))
-        dx = np.zeros(4)
-        for i in range(3):
-            ph = p @ h[i]
-            variance = h[i] @ ph + r
-            gain = ph / variance
-            dx += gain * (res[i] - h[i] @ dx)
-            p = p - np.outer(gain, ph)
-        p = (p + p.T) / 2
-        x = x + dx
+        tx, ty, tz, _ = tip_reading(body_acc[k], x[0], x[1] + lean, sa, ca)
+        residual = lever_acc[k] - np.array([tx, ty, tz])
+        x, p = _correct(x, p, residual, _slopes(slow, x[0], x[1] + lean, sa, ca), noise, huber)
         xs[k], ps[k] = x, p
     return xs, ps, xs_before, ps_before, steps
 
