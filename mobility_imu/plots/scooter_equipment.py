@@ -155,7 +155,7 @@ def _draw_lever_and_basket(ax: Axes, geometry: ScooterGeometry, top: FloatArray)
     basket = [(1.005, 0.50), (1.18, 0.50), (LENGTH_M, 0.70), (0.99, 0.70)]
     shape(ax, basket, facecolor="none", edgecolor="#B5B5B5", hatch="xx", gid="basket")
     box(ax, (1.09, 0.60), (0.07, 0.035), edgecolor="black")
-    return imu
+    return np.asarray(imu)
 
 
 def draw_controls(geometry: ScooterGeometry, *, throttle_rad: float) -> Figure:

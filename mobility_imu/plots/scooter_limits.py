@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,10 +11,11 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.plots.style import COLOURS, cue, use_style
 from mobility_imu.scooter.geometry import ScooterGeometry, body_specific_force
 from mobility_imu.scooter.sensitivity import (
+    Sensitivities,
     mirror_angles,
     sensitivities,
     single_imu_range,
-    steering_error_per_tilt,
+    worst_error_per_tilt,
 )
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def plot_costs(geometry: ScooterGeometry, *, pressed_rad: float, lock_rad: float
     import matplotlib.pyplot as plt
 
     wheel = np.linspace(-lock_rad, lock_rad, 101)
-    errors = (
+    errors: tuple[tuple[str, Callable[[Sensitivities], FloatArray]], ...] = (
         ("lever IMU about y", lambda s: s.lever_mounting[..., 1]),
         ("lever IMU about z", lambda s: s.lever_mounting[..., 2]),
         ("body IMU about y", lambda s: s.body_mounting[..., 1]),
@@ -140,13 +141,7 @@ def plot_domain(geometry: ScooterGeometry, *, lock_rad: float) -> Figure:
     pitch, roll = np.deg2rad(pitch_deg), np.deg2rad(roll_deg)
     right, left = single_imu_range(pitch, roll, geometry)
     room = np.rad2deg(np.minimum(left, -right))
-    body = body_specific_force(pitch, roll)
-    cost = np.maximum(
-        *(steering_error_per_tilt(body, end, geometry) for end in (-lock_rad, lock_rad))
-    )
-    # Where the mirror of a lock lies within the range, K2 = 0 somewhere on the way.
-    for end in (-lock_rad, lock_rad):
-        cost[np.abs(mirror_angles(body, end, 0.0, geometry)[0]) < lock_rad] = np.inf
+    cost = worst_error_per_tilt(body_specific_force(pitch, roll), geometry, lock_rad=lock_rad)
     with use_style():
         figure, (first, second) = plt.subplots(1, 2, figsize=(8.8, 4.4), sharey=True)
         bands = first.contourf(

@@ -1,6 +1,25 @@
 """Steering and throttle angles of a motorized mobility scooter (Suzurikawa et al. 2022)."""
 
-from mobility_imu.scooter.angles import ScooterAngles, estimate_angles
+from mobility_imu.scooter.angles import ScooterAngles, angle_standard_deviations, estimate_angles
+from mobility_imu.scooter.calibration import ScooterCalibration, calibrate_mount
+from mobility_imu.scooter.fusion import FusedAngles, FusionSettings, fuse_angles
 from mobility_imu.scooter.geometry import SUZUKI_ET4D, ScooterGeometry
+from mobility_imu.scooter.mount import ScooterMount
+from mobility_imu.scooter.ride import RideAngles, RideSettings, estimate_ride
 
-__all__ = ["SUZUKI_ET4D", "ScooterAngles", "ScooterGeometry", "estimate_angles"]
+__all__ = [
+    "SUZUKI_ET4D",
+    "FusedAngles",
+    "FusionSettings",
+    "RideAngles",
+    "RideSettings",
+    "ScooterAngles",
+    "ScooterCalibration",
+    "ScooterGeometry",
+    "ScooterMount",
+    "angle_standard_deviations",
+    "calibrate_mount",
+    "estimate_angles",
+    "estimate_ride",
+    "fuse_angles",
+]

@@ -13,22 +13,34 @@ does the printed one. They meet, and the angle cannot be observed, where K2 = 0.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_vectors, wrap_angle
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_number,
+    as_vectors,
+    one_of,
+    wrap_angle,
+)
+from mobility_imu.hinges import column_vector, steered, turn
+from mobility_imu.results import Result
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 
 if TYPE_CHECKING:
     import pandas as pd
 
-OBSERVABILITY_LIMIT = float(np.sin(np.deg2rad(2.0)))
-"""Smallest lever arm, as a share of the acceleration's length, on which an angle may rest.
+Form = Literal["corrected", "printed"]
+"""All three axes at once, or eqs. 6 and 7 as the paper prints them."""
 
-An error of direction (tilt of an IMU, noise over g) reaches the angle divided by this share:
+OBSERVABILITY_LIMIT = float(np.sin(np.deg2rad(2.0)))
+"""Smallest lever arm, as a fraction of the acceleration's length, on which an angle may rest.
+
+An error of direction (tilt of an IMU, noise over g) reaches the angle divided by this fraction:
 below it, 0.1 deg of tilt moves the angle by 3 deg or more.
 """
 
@@ -39,8 +51,8 @@ BLOCK = 16384
 _LOOKS_LIKE_G = 2.5
 
 
-@dataclass(frozen=True)
-class ScooterAngles:
+@dataclass(frozen=True, eq=False, repr=False)
+class ScooterAngles(Result):
     """Angles of the two controls, and whether to trust them.
 
     Parameters
@@ -48,14 +60,18 @@ class ScooterAngles:
     steering_rad : (...) array, rad, positive to the left
     throttle_rad : (...) array, rad, positive with the lever pushed
     valid : (...) bool array, see :func:`estimate_angles`
+    form : "corrected" or "printed", what they were estimated with
+    warnings : sentences for the user
     """
 
     steering_rad: FloatArray
     throttle_rad: FloatArray
     valid: NDArray[np.bool_]
+    form: Form = "corrected"
+    warnings: tuple[str, ...] = ()
 
     def to_frame(self) -> pd.DataFrame:
-        """Give a table in degrees: steering_deg, throttle_deg, valid, one row per sample."""
+        """Table in degrees with steering_deg, throttle_deg and valid, one row per sample."""
         import pandas as pd
 
         return pd.DataFrame(
@@ -65,14 +81,6 @@ class ScooterAngles:
                 "valid": np.atleast_1d(self.valid),
             }
         )
-
-
-class _ColumnForce(NamedTuple):
-    """Body's specific force in {N}: the paper's ax_B, C1 and K1."""
-
-    x: FloatArray
-    c1: FloatArray
-    k1: FloatArray
 
 
 def steering_angle(
@@ -100,7 +108,7 @@ def steering_angle(
         If the arrays are not three-vectors or do not broadcast together.
     """
     lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
-    column = _in_column(body, geometry)
+    column = column_vector(body, geometry.steering_inclination_rad)
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer, not an accident
         sine = lever[..., 0] / np.sqrt(column.x**2 + column.c1**2)
         return np.arcsin(sine) - np.arctan(column.x / column.c1)
@@ -134,11 +142,11 @@ def throttle_angle(
         If the arrays are not three-vectors or do not broadcast together.
     """
     lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
-    column = _in_column(body, geometry)
-    k1, k2 = column.k1, _k2(column, np.asarray(steering_rad, float))
+    column = column_vector(body, geometry.steering_inclination_rad)
+    k1, (_, k2) = column.k1, steered(column, np.asarray(steering_rad, float))
     with np.errstate(divide="ignore", invalid="ignore"):
         sine = lever[..., 1] / np.sqrt(k1**2 + k2**2)
-        return np.arctan(k2 / k1) - np.arcsin(sine) - _lean(geometry)
+        return np.arctan(k2 / k1) - np.arcsin(sine) - geometry.lean_rad
 
 
 def three_axis_angles(
@@ -175,7 +183,7 @@ def three_axis_angles(
     lever, body = (np.broadcast_to(v, shape).reshape(-1, 3) for v in (lever, body))
     angles = np.empty((2, len(lever)))
     workspace = np.empty((10, min(BLOCK, len(lever))))
-    with np.errstate(divide="ignore", invalid="ignore"):  # a zero vector has no angles: NaN
+    with np.errstate(all="ignore"):  # a zero vector has no angles: NaN
         for start in range(0, len(lever), BLOCK):
             part = slice(start, start + BLOCK)
             _three_axis_block(lever[part], body[part], geometry, angles[:, part], workspace)
@@ -194,13 +202,12 @@ def _three_axis_block(
     Differences of arctangents are taken inside one ``arctan2``, by the sine and cosine of the
     difference: half the calls.
     """
-    alpha, lean = geometry.steering_inclination_rad, _lean(geometry)
+    alpha, lean = geometry.steering_inclination_rad, geometry.lean_rad
     sin, cos = np.sin(alpha), np.cos(alpha)
     tx, ty, tz, x, c1, k1, k2, a, b, c = (row[: len(lever)] for row in workspace)
     tx[:], ty[:], tz[:] = lever.T
     x[:], a[:], b[:] = body.T
-    np.add(np.multiply(a, cos, out=c1), np.multiply(b, sin, out=c), out=c1)
-    np.subtract(np.multiply(b, cos, out=k1), np.multiply(a, sin, out=c), out=k1)
+    c1[:], k1[:] = turn(a, b, sin, cos)
     np.add(np.multiply(x, x, out=k2), np.multiply(c1, c1, out=c), out=k2)
     # The lever's x component, as it would be with the lever's length equal to the body's.
     np.add(np.multiply(tx, tx, out=a), np.multiply(ty, ty, out=c), out=a)
@@ -219,8 +226,9 @@ def _three_axis_block(
     np.add(np.multiply(k1, tz, out=b), np.multiply(k2, ty, out=c), out=b)
     throttle = np.arctan2(a, b, out=angles[1])
     throttle -= lean
-    if throttle.min() < -np.pi or throttle.max() > np.pi:
-        throttle[:] = wrap_angle(throttle)
+    beyond = np.abs(throttle) > np.pi
+    if beyond.any():
+        throttle[beyond] = wrap_angle(throttle[beyond])
 
 
 def estimate_angles(
@@ -228,7 +236,7 @@ def estimate_angles(
     body_acc_mps2: ArrayLike | None,
     geometry: ScooterGeometry,
     *,
-    form: Literal["three-axis", "printed"] = "three-axis",
+    form: Form = "corrected",
 ) -> ScooterAngles:
     """Steering and throttle angles from one or two IMUs (eqs. 6 and 7, or both axes at once).
 
@@ -238,7 +246,7 @@ def estimate_angles(
     body_acc_mps2 : (..., 3) array, m/s², specific force in {B}. None for a single IMU: then
         the scooter is taken to stand level and still, gravity (0, 0, g) in {B}.
     geometry : ScooterGeometry
-    form : "three-axis" for :func:`three_axis_angles`; "printed" for :func:`steering_angle`
+    form : "corrected" for :func:`three_axis_angles`; "printed" for :func:`steering_angle`
         followed by :func:`throttle_angle`, as in the paper
 
     Returns
@@ -266,32 +274,30 @@ def estimate_angles(
     >>> angles.to_frame().round(1).values.tolist()
     [[30.0, 20.0, True]]
     """
-    if form not in ("three-axis", "printed"):
-        raise InputError(f"form = {form!r}: expected 'three-axis' or 'printed'")
+    one_of("form", form, ("corrected", "printed"))
     level = (0.0, 0.0, STANDARD_GRAVITY_MPS2)
     lever, body = _vectors(lever_acc_mps2, level if body_acc_mps2 is None else body_acc_mps2)
-    _refuse_wrong_gravity(lever, body, geometry)
+    check_gravity(lever, body, geometry)
 
-    if form == "three-axis":
+    if form == "corrected":
         steering, throttle = three_axis_angles(lever, body, geometry)
         sideways = _scaled_sideways(lever, body)
     else:
         steering = steering_angle(lever, body, geometry)
         throttle = throttle_angle(lever, body, steering, geometry)
         sideways = lever[..., 0]
-    column = _in_column(body, geometry)
-    k2 = np.abs(_k2(column, steering))
+    column = column_vector(body, geometry.steering_inclination_rad)
+    k2 = np.abs(steered(column, steering)[1])
     shortest = OBSERVABILITY_LIMIT * np.linalg.norm(body, axis=-1)
     valid = (
         np.isfinite(steering)
         & np.isfinite(throttle)
         & (np.abs(sideways) <= np.hypot(column.x, column.c1))
         & (k2 > shortest)
-        & (np.hypot(k2, column.k1) > shortest)
     )
     if form == "printed":
         valid &= (column.c1 > 0) & (column.k1 > 0) & (lever[..., 2] > 0)
-    return ScooterAngles(steering, throttle, valid)
+    return ScooterAngles(steering, throttle, valid, form)
 
 
 def angle_standard_deviations(
@@ -341,15 +347,13 @@ def angle_standard_deviations(
     [0.168, 0.057]
     """
     lever = as_vectors(lever_acc_mps2, "lever_acc_mps2")
-    for name, sd in (("lever_sd_mps2", lever_sd_mps2), ("body_sd_mps2", body_sd_mps2)):
-        if not (np.isfinite(sd) and sd >= 0):
-            raise InputError(f"{name} = {sd}: expected a standard deviation, zero or positive")
+    lever_sd = as_number(lever_sd_mps2, "lever_sd_mps2", zero=True)
+    body_sd = as_number(body_sd_mps2, "body_sd_mps2", zero=True)
     x, y, z = lever[..., 0], lever[..., 1], lever[..., 2]
-    tipped = _lean(geometry) + np.asarray(throttle_rad, float)
-    along_shaft = -y * np.sin(tipped) + z * np.cos(tipped)  # K1
-    arm = y * np.cos(tipped) + z * np.sin(tipped)  # K2
+    tipped = geometry.lean_rad + np.asarray(throttle_rad, float)
+    arm, along_shaft = turn(y, z, np.sin(tipped), np.cos(tipped))  # K2, K1
     length = np.linalg.norm(lever, axis=-1)
-    noise = np.hypot(lever_sd_mps2, body_sd_mps2)
+    noise = np.hypot(lever_sd, body_sd)
     with np.errstate(divide="ignore", invalid="ignore"):
         # det(HᵀH) = (length arm)²
         share = noise / (length * np.abs(arm))
@@ -370,32 +374,26 @@ def _vectors(lever_acc: ArrayLike, body_acc: ArrayLike) -> tuple[FloatArray, Flo
     return lever, body
 
 
-def _in_column(body: FloatArray, geometry: ScooterGeometry) -> _ColumnForce:
-    sin, cos = np.sin(geometry.steering_inclination_rad), np.cos(geometry.steering_inclination_rad)
-    return _ColumnForce(
-        x=body[..., 0],
-        c1=body[..., 1] * cos + body[..., 2] * sin,
-        k1=-body[..., 1] * sin + body[..., 2] * cos,
-    )
-
-
-def _k2(column: _ColumnForce, steering_rad: FloatArray) -> FloatArray:
-    return -column.x * np.sin(steering_rad) + column.c1 * np.cos(steering_rad)
-
-
-def _lean(geometry: ScooterGeometry) -> float:
-    return geometry.steering_inclination_rad - geometry.lever_inclination_rad
-
-
 def _scaled_sideways(lever: FloatArray, body: FloatArray) -> FloatArray:
-    """Give the lever's x component, as it would be with the lever's length equal to the body's."""
+    """Lever's x component, as it would be with the lever's length equal to the body's."""
     with np.errstate(divide="ignore", invalid="ignore"):
         scale = np.linalg.norm(body, axis=-1) / np.linalg.norm(lever, axis=-1)
-        return lever[..., 0] * scale
+        return np.asarray(lever[..., 0] * scale)
 
 
-def _refuse_wrong_gravity(lever: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> None:
-    """Say it if gravity, which all rests on, has a wrong unit or sign in the median sample."""
+def check_gravity(lever: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> None:
+    """Check unit and sign of gravity, which all rests on, in the median sample.
+
+    Parameters
+    ----------
+    lever, body : (..., 3) arrays, m/s², in {T} and {B}
+    geometry : ScooterGeometry
+
+    Raises
+    ------
+    InputError
+        If the readings look like g, or gravity points the wrong way.
+    """
     lever_median, body_median = _median(lever), _median(body)
     if lever_median is None or body_median is None:
         return

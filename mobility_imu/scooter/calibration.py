@@ -1,4 +1,4 @@
-"""How the two IMUs sit on a scooter, from parked poses with the controls at their stops.
+"""Mount of both IMUs on a scooter, from parked poses with the controls at their stops.
 
 A degree of mounting error costs up to three degrees of steering, more than the sensor's noise.
 Parked, with the steering at its locks and the lever at its ends, eq. 5 has no unknown left but the
@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,15 +17,32 @@ from scipy import ndimage, optimize
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_vectors
-from mobility_imu.readers.geometry import read_arrays
+from mobility_imu.frames import FloatArray, as_number, as_vectors
 from mobility_imu.recording import Recording
+from mobility_imu.results import Result
+from mobility_imu.runs import runs_of
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
+from mobility_imu.scooter.mount import ScooterMount
+
+__all__ = [
+    "ParkedPose",
+    "ScooterCalibration",
+    "calibrate_mount",
+    "find_stills",
+    "mount_from_poses",
+    "parked_poses",
+]
 
 STILL_RATE_RADPS = 0.03
 """Root mean square rate below which the lever's IMU rests."""
 SHORTEST_STILL_S = 0.8
 """Seconds that a pose is held at least."""
+POSE_SD_RAD = float(np.deg2rad(0.5))
+"""Standard deviation of the controls' angles at their stops."""
+PRIOR_SD_RAD = float(np.deg2rad(2.0))
+"""Standard deviation of a mount about each axis before anything was measured."""
+UNSEEN_FRACTION = 0.8
+"""A direction is unseen if its standard deviation is more than this fraction of the prior's."""
 DIRECTIONS = (
     "lever IMU about x",
     "lever IMU about y",
@@ -37,13 +53,19 @@ DIRECTIONS = (
 )
 
 
-class ParkedPose(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class ParkedPose(Result):
     """What both IMUs read in one still pose, and where the controls were.
 
     Parameters
     ----------
     lever_acc_mps2, body_acc_mps2 : (3,) arrays, m/s², means over the pose, IMU axes
     steering_rad, throttle_rad : rad, known from the stops
+
+    Raises
+    ------
+    InputError
+        If a vector is no three finite numbers, or an angle is no number.
     """
 
     lever_acc_mps2: FloatArray
@@ -51,71 +73,124 @@ class ParkedPose(NamedTuple):
     steering_rad: float
     throttle_rad: float
 
+    def __post_init__(self) -> None:
+        """Check and copy the vectors, and check the angles."""
+        for name in ("lever_acc_mps2", "body_acc_mps2"):
+            vector = as_vectors(getattr(self, name), name, ndim=1, finite=True)
+            object.__setattr__(self, name, vector.copy())
+        for name in ("steering_rad", "throttle_rad"):
+            object.__setattr__(self, name, as_number(getattr(self, name), name, negative=True))
+        super().__post_init__()
 
-@dataclass(frozen=True)
-class ScooterMounting:
-    """Small rotations from the IMUs' real axes to the nominal ones of {T} and {B}.
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ScooterCalibration(Result):
+    """Mount of both IMUs, and how well the parked poses show it.
 
     Parameters
     ----------
-    rotation_lever_imu_to_lever, rotation_body_imu_to_body : (3, 3) arrays
+    mount : ScooterMount
     sd_rad : (6,) array, rad, standard deviations about x, y, z of the lever's, then the body's IMU
-    unseen : names of directions that the poses tell nothing of: the prior stays there
+    unseen : names of directions that the poses tell little of: the prior stays there
+    geometry : ScooterGeometry that the calibration was made with
+    warnings : sentences for the user
     """
 
-    rotation_lever_imu_to_lever: FloatArray
-    rotation_body_imu_to_body: FloatArray
+    mount: ScooterMount
     sd_rad: FloatArray
     unseen: tuple[str, ...]
+    geometry: ScooterGeometry
+    warnings: tuple[str, ...] = ()
 
-    def lever(self, vectors: ArrayLike) -> FloatArray:
-        """Turn the lever IMU's readings, (..., 3), into {T}."""
-        return as_vectors(vectors, "vectors") @ self.rotation_lever_imu_to_lever.T
+    def to_toml(self, path: str | Path | None = None) -> str:
+        """Text of a geometry file with geometry, mount and, as a comment, standard deviations.
 
-    def body(self, vectors: ArrayLike) -> FloatArray:
-        """Turn the body IMU's readings, (..., 3), into {B}."""
-        return as_vectors(vectors, "vectors") @ self.rotation_body_imu_to_body.T
+        Parameters
+        ----------
+        path : file to write the text to, too; an existing one is replaced
+
+        Returns
+        -------
+        str
+        """
+        return self.mount.to_toml(path, geometry=self.geometry, sd_rad=self.sd_rad)
 
 
-def calibrate_mounting(
+def calibrate_mount(
+    parked_recordings: Recording | Sequence[Recording],
+    settings_of_poses_rad: Sequence[tuple[float, float]],
+    geometry: ScooterGeometry,
+    *,
+    pose_sd_rad: float = POSE_SD_RAD,
+    prior_sd_rad: float = PRIOR_SD_RAD,
+) -> ScooterCalibration:
+    """Mount of both IMUs from recordings of a parked scooter.
+
+    Park, move the controls through the poses, hold each for two seconds; do it on level ground and
+    on a ramp.
+
+    Parameters
+    ----------
+    parked_recordings : Recording, or several, one per place, each with all poses in their order
+    settings_of_poses_rad : (steering, throttle) of each pose, rad
+    geometry : ScooterGeometry
+    pose_sd_rad, prior_sd_rad : rad, see :func:`mount_from_poses`
+
+    Returns
+    -------
+    ScooterCalibration
+
+    Raises
+    ------
+    InputError
+        If a recording has not as many still poses as settings, or the poses are too few or alike.
+    """
+    parked = [parked_recordings] if isinstance(parked_recordings, Recording) else parked_recordings
+    poses = [pose for one in parked for pose in parked_poses(one, settings_of_poses_rad)]
+    return mount_from_poses(poses, geometry, pose_sd_rad=pose_sd_rad, prior_sd_rad=prior_sd_rad)
+
+
+def mount_from_poses(
     poses: Sequence[ParkedPose],
     geometry: ScooterGeometry,
     *,
-    pose_sd_rad: float = float(np.deg2rad(0.5)),
-    prior_sd_rad: float = float(np.deg2rad(2.0)),
-) -> ScooterMounting:
-    """Find both mountings by least squares over parked poses (eq. 5).
+    pose_sd_rad: float = POSE_SD_RAD,
+    prior_sd_rad: float = PRIOR_SD_RAD,
+) -> ScooterCalibration:
+    """Mount of both IMUs by least squares over parked poses (eq. 5).
 
     The attitude of the scooter need not be known: the body's IMU measures it. What the poses
     cannot tell apart: a turn of the body's IMU about the vertical (on level ground only: park on a
     ramp as well), alpha's error from a turn of the body's IMU about x, beta's error from one of the
-    lever's IMU about x, and a constant bias of an accelerometer from a tilt of it. What is found is
-    then the sum that explains the poses, and so mends them; a weak prior keeps the rest small.
+    lever's IMU about x, and a constant bias of an accelerometer from a tilt of it. The estimate is
+    then the sum that explains the poses, and so corrects them; a weak prior keeps the rest small.
 
     Parameters
     ----------
     poses : at least three, not all with the same steering and throttle
     geometry : ScooterGeometry
     pose_sd_rad : rad, how well the angles at the stops are known
-    prior_sd_rad : rad, how far from nominal a mounting may be expected to be, about each axis
+    prior_sd_rad : rad, how far from nominal a mount may be expected to be, about each axis
 
     Returns
     -------
-    ScooterMounting
+    ScooterCalibration
 
     Raises
     ------
     InputError
-        If there are too few different poses.
+        If there are too few different poses, or the least squares find no mount.
     """
+    pose_sd = as_number(pose_sd_rad, "pose_sd_rad")
+    prior_sd = as_number(prior_sd_rad, "prior_sd_rad")
     different = {(round(p.steering_rad, 3), round(p.throttle_rad, 3)) for p in poses}
     if len(poses) < 3 or len({p[0] for p in different}) < 2 or len({p[1] for p in different}) < 2:
         raise InputError(
             f"{len(poses)} poses with {len(different)} different settings: expected at least three "
             "poses, with two steering and two throttle angles among them"
         )
-    lever = _directions([p.lever_acc_mps2 for p in poses])
-    body = _directions([p.body_acc_mps2 for p in poses])
+    lever = _directions([p.lever_acc_mps2 for p in poses], "lever_acc_mps2")
+    body = _directions([p.body_acc_mps2 for p in poses], "body_acc_mps2")
     steering = np.array([p.steering_rad for p in poses])
     throttle = np.array([p.throttle_rad for p in poses])
 
@@ -123,33 +198,27 @@ def calibrate_mounting(
         seen = lever @ Rotation.from_rotvec(turns[:3]).as_matrix().T
         upright = body @ Rotation.from_rotvec(turns[3:]).as_matrix().T
         apart = seen - lever_acceleration(upright, steering, throttle, geometry)
-        return np.r_[apart.ravel() / pose_sd_rad, turns / prior_sd_rad]
+        return np.asarray(np.r_[apart.ravel() / pose_sd, turns / prior_sd])
 
     found = optimize.least_squares(misfit, np.zeros(6), method="lm")
-    information = found.jac.T @ found.jac
-    # Seen: the poses alone say more about a direction than the prior does.
-    poses_only = information - np.eye(6) / prior_sd_rad**2
+    if not found.success:
+        raise InputError(f"the poses fit no mount: the least squares did not end ({found.message})")
+    sd = np.sqrt(np.diag(np.linalg.inv(found.jac.T @ found.jac)))
     unseen = tuple(
         name
-        for name, own in zip(DIRECTIONS, np.diag(poses_only), strict=True)
-        if own < 1 / prior_sd_rad**2
-    )
-    sd = np.sqrt(np.diag(np.linalg.inv(information)))
-    weak = tuple(
-        name
         for name, spread in zip(DIRECTIONS, sd, strict=True)
-        if spread > 0.8 * prior_sd_rad and name not in unseen
+        if spread > UNSEEN_FRACTION * prior_sd
     )
-    return ScooterMounting(
-        Rotation.from_rotvec(found.x[:3]).as_matrix(),
-        Rotation.from_rotvec(found.x[3:]).as_matrix(),
-        sd,
-        unseen + weak,
+    warnings = tuple(
+        f"the poses tell little of the turn of the {name}: park at another slope as well"
+        for name in unseen
     )
+    turns = (Rotation.from_rotvec(part).as_matrix() for part in (found.x[:3], found.x[3:]))
+    return ScooterCalibration(ScooterMount(*turns), sd, unseen, geometry, warnings)
 
 
 def find_stills(parked: Recording) -> list[slice]:
-    """Stretches in which lever and body rest, in the order of time.
+    """Intervals in which lever and body rest, in the order of time.
 
     Rest means a small rate of the lever's gyroscope for at least :data:`SHORTEST_STILL_S`; a
     tenth of a second at each end is left out.
@@ -163,23 +232,21 @@ def find_stills(parked: Recording) -> list[slice]:
     list of slices of samples
     """
     fs = parked.sampling_rate_hz
-    gyr = np.asarray(parked.sensor("lever", gyroscope=True).gyr_radps)
+    gyr = parked.gyroscope("lever")
     gyr = gyr - np.median(gyr, axis=0)  # a constant bias is no motion
     power = ndimage.uniform_filter1d((gyr**2).sum(axis=1), max(3, round(0.2 * fs)))
-    still = np.r_[False, power < STILL_RATE_RADPS**2, False].astype(np.int8)
-    starts, stops = np.nonzero(np.diff(still) == 1)[0], np.nonzero(np.diff(still) == -1)[0]
     margin = round(0.1 * fs)
     return [
-        slice(int(start) + margin, int(stop) - margin)
-        for start, stop in zip(starts, stops, strict=True)
-        if stop - start >= SHORTEST_STILL_S * fs
+        slice(still.start + margin, still.stop - margin)
+        for still in runs_of(power < STILL_RATE_RADPS**2)
+        if still.stop - still.start >= SHORTEST_STILL_S * fs
     ]
 
 
 def parked_poses(
     parked: Recording, settings_rad: Sequence[tuple[float, float]]
 ) -> list[ParkedPose]:
-    """Read the poses of a parked recording: one still stretch per setting, in order.
+    """Poses of a parked recording: one still interval per setting, in order.
 
     Parameters
     ----------
@@ -193,7 +260,7 @@ def parked_poses(
     Raises
     ------
     InputError
-        If there are not as many still stretches as settings; the message lists their times.
+        If there are not as many still intervals as settings; the message lists their times.
     """
     stills = find_stills(parked)
     if len(stills) != len(settings_rad):
@@ -211,24 +278,9 @@ def parked_poses(
     ]
 
 
-def read_mounting(path: str | Path) -> ScooterMounting | None:
-    """Read [scooter.mount] of a geometry file; None if it is not there.
-
-    Raises
-    ------
-    InputError
-        If a matrix is missing or is no rotation.
-    """
-    keys = ("rotation_lever_imu_to_lever", "rotation_body_imu_to_body")
-    found = read_arrays(path, "scooter.mount", dict.fromkeys(keys, (3, 3)))
-    if found is None:
-        return None
-    for key, matrix in found.items():
-        if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-3):
-            raise InputError(f"{path}, [scooter.mount] {key}: expected a 3 x 3 rotation matrix")
-    return ScooterMounting(found[keys[0]], found[keys[1]], np.full(6, np.nan), ())
-
-
-def _directions(vectors: Sequence[ArrayLike]) -> FloatArray:
+def _directions(vectors: Sequence[ArrayLike], name: str) -> FloatArray:
     rows = np.array(vectors, float)
-    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
+    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    if not (lengths > 0).all():
+        raise InputError(f"{name}: a pose without acceleration, expected gravity in each")
+    return np.asarray(rows / lengths)

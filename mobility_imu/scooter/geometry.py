@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -90,6 +89,11 @@ class ScooterGeometry:
                 f"(-90 to 90 deg){hint}"
             )
 
+    @property
+    def lean_rad(self) -> float:
+        """Angle of the lever's IMU to the shaft with the throttle at rest: alpha less beta, rad."""
+        return self.steering_inclination_rad - self.lever_inclination_rad
+
     @classmethod
     def from_degrees(
         cls, steering_inclination_deg: float, lever_inclination_deg: float
@@ -137,6 +141,26 @@ class ScooterGeometry:
         except InputError as error:
             raise InputError(f"{path}, [scooter]: {error}") from None
 
+    def to_toml(self, path: str | Path | None = None) -> str:
+        """Text of a section [scooter].
+
+        Parameters
+        ----------
+        path : file to write the text to, too; an existing one is replaced
+
+        Returns
+        -------
+        str
+        """
+        text = (
+            "[scooter]\n"
+            f"steering_inclination_deg = {np.rad2deg(self.steering_inclination_rad):.6g}\n"
+            f"lever_inclination_deg = {np.rad2deg(self.lever_inclination_rad):.6g}\n"
+        )
+        if path is not None:
+            Path(path).write_text(text)
+        return text
+
 
 SUZUKI_ET4D = ScooterGeometry.from_degrees(20, 9)
 """The scooter of the paper (section 2.2), with alpha 20 deg and beta 9 deg."""
@@ -153,7 +177,7 @@ def rotation_steering_column_to_body(steering_inclination_rad: ArrayLike) -> Flo
     -------
     (..., 3, 3) array
     """
-    return _rotation("x", steering_inclination_rad)
+    return elementary_rotation("x", steering_inclination_rad)
 
 
 def rotation_steering_to_column(steering_rad: ArrayLike) -> FloatArray:
@@ -167,7 +191,7 @@ def rotation_steering_to_column(steering_rad: ArrayLike) -> FloatArray:
     -------
     (..., 3, 3) array
     """
-    return _rotation("z", steering_rad)
+    return elementary_rotation("z", steering_rad)
 
 
 def rotation_lever_base_to_steering(
@@ -184,7 +208,7 @@ def rotation_lever_base_to_steering(
     (..., 3, 3) array
     """
     alpha = np.asarray(steering_inclination_rad, float)
-    return _rotation("x", -(alpha - np.asarray(lever_inclination_rad, float)))
+    return elementary_rotation("x", -(alpha - np.asarray(lever_inclination_rad, float)))
 
 
 def rotation_lever_to_lever_base(throttle_rad: ArrayLike) -> FloatArray:
@@ -198,7 +222,7 @@ def rotation_lever_to_lever_base(throttle_rad: ArrayLike) -> FloatArray:
     -------
     (..., 3, 3) array
     """
-    return _rotation("x", -np.asarray(throttle_rad, float))
+    return elementary_rotation("x", -np.asarray(throttle_rad, float))
 
 
 def rotation_lever_to_body(
@@ -259,7 +283,7 @@ def lever_acceleration(
     """
     body = as_vectors(body_acc_mps2, "body_acc_mps2")
     rotation = rotation_lever_to_body(steering_rad, throttle_rad, geometry)
-    return np.einsum("...ji,...j->...i", rotation, body)
+    return np.asarray(np.einsum("...ji,...j->...i", rotation, body))
 
 
 def body_specific_force(
@@ -288,8 +312,3 @@ def body_specific_force(
     return gravity_mps2 * np.stack(
         [np.cos(pitch) * np.sin(roll), np.sin(pitch), np.cos(pitch) * np.cos(roll)], axis=-1
     )
-
-
-def _rotation(axis: Literal["x", "z"], angle_rad: ArrayLike) -> FloatArray:
-    angle = np.asarray(angle_rad, float)
-    return elementary_rotation(axis, angle.reshape(-1, 1)).reshape(*angle.shape, 3, 3)

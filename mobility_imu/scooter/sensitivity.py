@@ -18,8 +18,15 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_vectors, wrap_angle
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_number,
+    as_vectors,
+    one_of,
+    wrap_angle,
+)
+from mobility_imu.hinges import column_vector, turn
 from mobility_imu.scooter.angles import three_axis_angles
 from mobility_imu.scooter.geometry import (
     ScooterGeometry,
@@ -85,8 +92,7 @@ def sensitivities(
     >>> straight.lever_mounting[0].round(2).tolist()  # steering: 2.9 deg for 1 deg about y
     [0.0, -2.89, 0.46]
     """
-    if imus not in ("dual", "single"):
-        raise InputError(f"imus = {imus!r}: expected 'dual' or 'single'")
+    one_of("imus", imus, ("dual", "single"))
     pitch, roll, steering, throttle = np.broadcast_arrays(
         *(np.asarray(v, float) for v in (pitch_rad, roll_rad, steering_rad, throttle_rad))
     )
@@ -198,7 +204,7 @@ def by_lever_mounting(
     """
     f = _pose(body_acc_mps2, steering_rad, throttle_rad, geometry).lever
     by_lever = by_lever_acceleration(body_acc_mps2, steering_rad, throttle_rad, geometry)
-    return by_lever @ _cross_matrix(f)
+    return np.cross(by_lever, f[..., None, :])
 
 
 def by_body_mounting(
@@ -221,7 +227,7 @@ def by_body_mounting(
     """
     body = as_vectors(body_acc_mps2, "body_acc_mps2")
     by_body = by_body_acceleration(body, steering_rad, throttle_rad, geometry)
-    return by_body @ _cross_matrix(body)
+    return np.cross(by_body, body[..., None, :])
 
 
 def by_steering_inclination(
@@ -298,6 +304,33 @@ def steering_error_per_tilt(
         return np.hypot(p.k1, p.k2) / np.abs(p.k2)
 
 
+def worst_error_per_tilt(
+    body_acc_mps2: ArrayLike, geometry: ScooterGeometry, *, lock_rad: float
+) -> FloatArray:
+    """Largest steering error by a small tilt of the lever's IMU, over all that the wheel can turn.
+
+    It is found at a lock, unless K2 = 0 lies between the locks: there two IMUs are useless too.
+
+    Parameters
+    ----------
+    body_acc_mps2 : (..., 3) array, m/s², in {B}, as the estimate takes it
+    geometry : ScooterGeometry
+    lock_rad : rad, the wheel turns this far to either side
+
+    Returns
+    -------
+    (...) array, rad/rad; infinite where K2 = 0 lies within the wheel's range
+    """
+    lock = as_number(lock_rad, "lock_rad")
+    ends = (-lock, lock)
+    cost = np.maximum(*(steering_error_per_tilt(body_acc_mps2, end, geometry) for end in ends))
+    # Where the mirror of a lock lies within the range, K2 = 0 somewhere on the way.
+    for end in ends:
+        mirror, _ = mirror_angles(body_acc_mps2, end, 0.0, geometry)
+        cost = np.where(np.abs(mirror) < lock, np.inf, cost)
+    return np.asarray(cost)
+
+
 def single_imu_range(
     pitch_rad: ArrayLike, roll_rad: ArrayLike, geometry: ScooterGeometry
 ) -> tuple[FloatArray, FloatArray]:
@@ -316,7 +349,7 @@ def single_imu_range(
     right_rad, left_rad : (...) arrays, rad; -inf and inf where no steering angle saturates. They
         say nothing of the mirror: beyond ``|u| = 90 deg`` an answer comes, but of the mirror image.
     """
-    x, c1, _ = _column(
+    x, c1, _ = column_vector(
         body_specific_force(pitch_rad, roll_rad, gravity_mps2=1.0),
         geometry.steering_inclination_rad,
     )
@@ -381,32 +414,12 @@ def _pose(
     body = as_vectors(body_acc_mps2, "body_acc_mps2")
     alpha, beta = geometry.steering_inclination_rad, geometry.lever_inclination_rad
     steering, throttle, x, c1, k1 = np.broadcast_arrays(
-        np.asarray(steering_rad, float), np.asarray(throttle_rad, float), *_column(body, alpha)
+        np.asarray(steering_rad, float),
+        np.asarray(throttle_rad, float),
+        *column_vector(body, alpha),
     )
     phi = throttle + alpha - beta
-    k2 = c1 * np.cos(steering) - x * np.sin(steering)
-    lever = np.stack(
-        [
-            x * np.cos(steering) + c1 * np.sin(steering),
-            k2 * np.cos(phi) - k1 * np.sin(phi),
-            k2 * np.sin(phi) + k1 * np.cos(phi),
-        ],
-        axis=-1,
-    )
+    lever_x, k2 = turn(x, c1, np.sin(steering), np.cos(steering))
+    lever_z, lever_y = turn(k1, k2, np.sin(phi), np.cos(phi))
+    lever = np.stack([lever_x, lever_y, lever_z], axis=-1)
     return _Pose(steering, throttle, phi, x, c1, k1, k2, lever)
-
-
-def _column(body: FloatArray, alpha_rad: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    sin, cos = np.sin(alpha_rad), np.cos(alpha_rad)
-    x, y, z = body[..., 0], body[..., 1], body[..., 2]
-    return x, y * cos + z * sin, z * cos - y * sin
-
-
-def _cross_matrix(vectors: FloatArray) -> FloatArray:
-    """Matrices that multiply a vector from the left like a cross product."""
-    matrix = np.zeros((*vectors.shape, 3))
-    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
-    matrix[..., 0, 1], matrix[..., 0, 2] = -z, y
-    matrix[..., 1, 0], matrix[..., 1, 2] = z, -x
-    matrix[..., 2, 0], matrix[..., 2, 1] = -y, x
-    return matrix

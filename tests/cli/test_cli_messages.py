@@ -113,7 +113,9 @@ def test_choices_are_those_of_the_library():
     from mobility_imu.walker import calibration
     from mobility_imu.wheelchair import smoothing, tasks
 
-    assert set(get_args(scooter.Form)) == set(get_args(get_type_hints(estimate_angles)["form"]))
+    assert set(get_args(scooter.Form)) == set(scooter.FORMS)
+    forms = get_args(get_type_hints(estimate_angles)["form"])
+    assert set(scooter.FORMS.values()) == set(forms)
     assert set(get_args(wheelchair.Smoothing)) == set(get_args(smoothing.Smoothing))
     assert set(get_args(wheelchair.Edge)) == set(get_args(tasks.Edge))
     assert set(get_args(walker.Method)) == set(get_args(calibration.Method))

@@ -330,7 +330,7 @@ def test_packet_counters_that_are_none(tmp_path, value, row):
 def test_the_sections_are_those_that_the_devices_read(tmp_path):
     """Each device finds its section, and each mount its keys, in a file that has all of them."""
     from mobility_imu.scooter import ScooterGeometry
-    from mobility_imu.scooter.calibration import read_mounting
+    from mobility_imu.scooter.mount import ScooterMount
     from mobility_imu.walker import WalkerGeometry, WalkerMount
     from mobility_imu.wheelchair import WheelchairGeometry
 
@@ -350,7 +350,7 @@ def test_the_sections_are_those_that_the_devices_read(tmp_path):
     assert set(SECTIONS) == {line[1:-1] for line in path.read_text().split("\n") if "[" in line[:1]}
     for device in (ScooterGeometry, WheelchairGeometry, WalkerGeometry):
         device.from_toml(path)
-    assert read_mounting(path) is not None
+    assert ScooterMount.from_toml(path) is not None
     assert WalkerMount.from_toml(path).rotation_sd_rad.tolist() == [0.1, 0.1, 0.1]
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.frames import FloatArray
-from mobility_imu.scooter.calibration import ScooterMounting, calibrate_mounting, parked_poses
+from mobility_imu.frames import FloatArray, one_of
+from mobility_imu.scooter.calibration import ScooterCalibration, mount_from_poses, parked_poses
 from mobility_imu.scooter.geometry import SUZUKI_ET4D
 from mobility_imu.simulation.scooter import (
     PARKED_POSES_RAD,
@@ -29,14 +29,19 @@ PLACES_DEG = {
 """Pitch and roll of the places where one parks; the calibration is not told them."""
 
 
-def park_and_calibrate(unit: ScooterUnit, places: str) -> ScooterMounting:
-    """Park a drawn scooter at the named places and find its mounting.
+def park_and_calibrate(unit: ScooterUnit, places: str) -> ScooterCalibration:
+    """Calibration of a drawn scooter that is parked at the named places.
 
     Parameters
     ----------
     unit : ScooterUnit
     places : a name in :data:`PLACES_DEG`
+
+    Returns
+    -------
+    ScooterCalibration
     """
+    one_of("places", places, PLACES_DEG)
     poses = []
     for k, (pitch, bank) in enumerate(np.deg2rad(PLACES_DEG[places])):
         parked = simulate_parked(
@@ -47,12 +52,12 @@ def park_and_calibrate(unit: ScooterUnit, places: str) -> ScooterMounting:
             unit=unit,
         )
         poses += parked_poses(parked, PARKED_POSES_RAD)
-    return calibrate_mounting(poses, SUZUKI_ET4D)
+    return mount_from_poses(poses, SUZUKI_ET4D)
 
 
 def _corrections(unit: ScooterUnit, places: str) -> tuple[FloatArray, FloatArray]:
-    mounting = park_and_calibrate(unit, places)
-    return mounting.rotation_lever_imu_to_lever, mounting.rotation_body_imu_to_body
+    mount = park_and_calibrate(unit, places).mount
+    return mount.rotation_lever_imu_to_lever, mount.rotation_body_imu_to_body
 
 
 parked_on_ramp = partial(_corrections, places="level + ramp")

@@ -19,18 +19,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
+from mobility_imu.executors import run_all
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, wrap_angle
-from mobility_imu.recording import Imu
-from mobility_imu.scooter.driving import (
-    PAPER_MEDIAN_WINDOW,
-    complementary_angles,
-    moving_samples,
-    paper_angles,
-    reference_angles,
-    synchronise,
-)
-from mobility_imu.scooter.fusion import fuse_angles
+from mobility_imu.reproduction.scooter.paper_method import PAPER_MEDIAN_WINDOW, paper_angles
+from mobility_imu.scooter.fusion import complementary_angles, fuse_angles
 from mobility_imu.scooter.geometry import SUZUKI_ET4D
+from mobility_imu.scooter.pulses import moving_samples, reference_angles, synchronise
 from mobility_imu.simulation.scooter import (
     COURSES,
     NO_SHAKING,
@@ -142,8 +136,10 @@ def ablations() -> dict[str, Conditions]:
 class _Inputs(NamedTuple):
     """What an estimator may see of a ride."""
 
-    lever: Imu
-    body: Imu
+    lever_acc: FloatArray
+    lever_gyr: FloatArray
+    body_acc: FloatArray
+    body_gyr: FloatArray
     rate_hz: float
     moving: NDArray[np.bool_]
     window: int
@@ -154,8 +150,8 @@ Estimator = Callable[[_Inputs], FloatArray]
 
 def _paper(ride: _Inputs, method: Any, window: int, edge: Any) -> FloatArray:
     angles = paper_angles(
-        ride.lever.acc_mps2,
-        ride.body.acc_mps2,
+        ride.lever_acc,
+        ride.body_acc,
         ride.moving,
         SUZUKI_ET4D,
         method=method,
@@ -179,9 +175,9 @@ def _subtraction(ride: _Inputs) -> FloatArray:
 
 def _body_x_only(ride: _Inputs) -> FloatArray:
     # Eq. 6 with the body's x as measured, but C1 = g sin(alpha): the body's y and z do not enter.
-    level = np.broadcast_to([0.0, 0.0, STANDARD_GRAVITY_MPS2], ride.body.acc_mps2.shape).copy()
-    level[:, 0] = ride.body.acc_mps2[:, 0]
-    return _paper(ride._replace(body=Imu(level, None)), "dual", ride.window, "zero")
+    level = np.broadcast_to([0.0, 0.0, STANDARD_GRAVITY_MPS2], ride.body_acc.shape).copy()
+    level[:, 0] = ride.body_acc[:, 0]
+    return _paper(ride._replace(body_acc=level), "dual", ride.window, "zero")
 
 
 def _longer_median(ride: _Inputs) -> FloatArray:
@@ -190,8 +186,7 @@ def _longer_median(ride: _Inputs) -> FloatArray:
 
 
 def _with_gyroscopes(ride: _Inputs) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    assert ride.lever.gyr_radps is not None and ride.body.gyr_radps is not None
-    return ride.lever.acc_mps2, ride.lever.gyr_radps, ride.body.acc_mps2, ride.body.gyr_radps
+    return ride.lever_acc, ride.lever_gyr, ride.body_acc, ride.body_gyr
 
 
 def _complementary(ride: _Inputs) -> FloatArray:
@@ -253,7 +248,7 @@ class StudySettings:
     histograms: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse names that are not there."""
+        """Check numbers and names."""
         if not 1 <= self.drivers <= 16 or not 1 <= self.runs <= 16:
             raise InputError(
                 f"drivers = {self.drivers}, runs = {self.runs}: expected 1 to 16 of each"
@@ -326,11 +321,7 @@ def driving_study(
     seeds = [int(seed) for seed in scooters]
     if not seeds or min(seeds) < 0 or len(set(seeds)) != len(seeds):
         raise InputError(f"scooters = {seeds}: expected different seeds, none negative")
-    if executor is None:
-        parts = [study_scooter(seed, settings) for seed in seeds]
-    else:
-        futures = [executor.submit(study_scooter, seed, settings) for seed in seeds]
-        parts = [future.result() for future in futures]
+    parts = run_all(study_scooter, [(seed, settings) for seed in seeds], executor)
     durations: dict[tuple[str, str, str, str], FloatArray] = {}
     errors: dict[tuple[int, str, str, str, str], NDArray[np.int64]] = {}
     for part in parts:
@@ -448,13 +439,14 @@ def _inputs(
     window: int,
 ) -> _Inputs:
     recording = ride.recording
-    imus = [recording.sensor("lever", gyroscope=True), recording.sensor("body", gyroscope=True)]
+    lever, body = (recording.sensor(name).acc_mps2 for name in ("lever", "body"))
+    lever_gyr, body_gyr = (recording.gyroscope(name) for name in ("lever", "body"))
     if corrections is not None:
-        imus = [
-            Imu(imu.acc_mps2 @ turn.T, None if imu.gyr_radps is None else imu.gyr_radps @ turn.T)
-            for imu, turn in zip(imus, corrections, strict=True)
-        ]
-    return _Inputs(imus[0], imus[1], recording.sampling_rate_hz, moving, window)
+        to_lever, to_body = (turn.T for turn in corrections)
+        lever, lever_gyr = lever @ to_lever, lever_gyr @ to_lever
+        body, body_gyr = body @ to_body, body_gyr @ to_body
+    rate_hz = recording.sampling_rate_hz
+    return _Inputs(lever, lever_gyr, body, body_gyr, rate_hz, moving, window)
 
 
 def _durations(angle: str, true_rad: FloatArray, estimate_rad: FloatArray) -> FloatArray:
@@ -463,7 +455,9 @@ def _durations(angle: str, true_rad: FloatArray, estimate_rad: FloatArray) -> Fl
         np.clip(np.rad2deg(values), edges[0], edges[-1] - 1e-9)
         for values in (true_rad, estimate_rad)
     )
-    return np.histogram2d(true, estimate, bins=(edges, edges))[0] * 0.01  # samples at 100 Hz
+    return np.asarray(
+        np.histogram2d(true, estimate, bins=(edges, edges))[0] * 0.01
+    )  # samples at 100 Hz
 
 
 STATEMENTS = (

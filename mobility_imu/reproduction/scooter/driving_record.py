@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mobility_imu.executors import run_all
 from mobility_imu.reproduction.scooter.driving import (
     ANGLES,
     COLUMNS,
@@ -51,7 +52,7 @@ def driving_record(executor: Executor | None = None) -> dict[str, Any]:
 
     Parameters
     ----------
-    executor : anything with ``submit`` and ``map``; None computes here
+    executor : anything with ``submit``; None computes here
 
     Returns
     -------
@@ -71,8 +72,7 @@ def driving_record(executor: Executor | None = None) -> dict[str, Any]:
         & (table["against"] == "wire")
         & table["estimator"].isin(ABLATION_ESTIMATORS)
     ]
-    run = map if executor is None else executor.map
-    effects = list(run(single_imu_effects, SCOOTERS))
+    effects = run_all(single_imu_effects, [(scooter,) for scooter in SCOOTERS], executor)
     return {
         "numbers": {
             "scooters": len(SCOOTERS),

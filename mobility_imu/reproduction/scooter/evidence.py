@@ -9,6 +9,7 @@ from mobility_imu.reproduction.findings import Evidence, Relation, quoted
 from mobility_imu.reproduction.published import load_published
 from mobility_imu.reproduction.recorded import numbers
 from mobility_imu.reproduction.scooter.driving_record import recorded_study, smaller_than
+from mobility_imu.reproduction.scooter.paper_method import clipped_angles, subtract_body
 from mobility_imu.reproduction.scooter.static_table import (
     SLOPE_RAD,
     STEERING_POSITIONS_RAD,
@@ -16,7 +17,6 @@ from mobility_imu.reproduction.scooter.static_table import (
 )
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.scooter.angles import estimate_angles, steering_angle
-from mobility_imu.scooter.driving import clipped_angles, subtract_body
 from mobility_imu.scooter.geometry import (
     SUZUKI_ET4D,
     body_specific_force,

@@ -95,7 +95,7 @@ class Modes(NamedTuple):
         normal = random.standard_normal((count, len(self.is_noise)))
         there = self.centre_deg[which] + np.einsum("nij,nj->ni", self.factor_deg[which], normal)
         signs = random.choice([-1.0, 1.0], size=there.shape)
-        return np.where(self.is_noise, signs * there, there)
+        return np.asarray(np.where(self.is_noise, signs * there, there))
 
     def log_density(self, values_deg: FloatArray) -> FloatArray:
         """Logarithm of the mixture's density but for a constant, (n,), at (n, p) values."""
@@ -107,7 +107,7 @@ class Modes(NamedTuple):
         for k in np.flatnonzero(self.is_noise):
             at, centre, sd = np.abs(values_deg[:, k, None]), self.centre_deg[:, k], size[:, k]
             each += np.logaddexp(-0.5 * ((at - centre) / sd) ** 2, -0.5 * ((at + centre) / sd) ** 2)
-        return special.logsumexp(each + np.log(self.weight / size.prod(axis=1)), axis=1)
+        return np.asarray(special.logsumexp(each + np.log(self.weight / size.prod(axis=1)), axis=1))
 
 
 class Draws(NamedTuple):
@@ -137,7 +137,7 @@ class Draws(NamedTuple):
         k = np.arange(count)
         rounds = max(1, -(-count // runs))
         step = ((k // runs + 1) * steps // rounds) - 1
-        return self.values_deg[k % runs, step, (7 * k) % walkers]
+        return np.asarray(self.values_deg[k % runs, step, (7 * k) % walkers])
 
 
 def anneal(cost: TableCost, sampling: Sampling, random: np.random.RandomState) -> FloatArray:
@@ -189,7 +189,7 @@ def anneal(cost: TableCost, sampling: Sampling, random: np.random.RandomState) -
 
 def log_prior(cost: TableCost, values_deg: FloatArray) -> FloatArray:
     """Logarithm of the prior's density but for a constant, (n,), at (n, p) values."""
-    return -0.5 * ((values_deg / cost.prior_sd_deg) ** 2).sum(axis=-1)
+    return np.asarray(-0.5 * ((values_deg / cost.prior_sd_deg) ** 2).sum(axis=-1))
 
 
 def _next_step(fit: FloatArray, largest: float) -> float:
@@ -375,14 +375,14 @@ def split_rhat(chains: FloatArray) -> FloatArray:
 def _normal_scores(chains: FloatArray) -> FloatArray:
     flat = chains.reshape(-1, chains.shape[-1])
     ranks = stats.rankdata(flat, axis=0)
-    return special.ndtri((ranks - 0.375) / (len(flat) + 0.25)).reshape(chains.shape)
+    return np.asarray(special.ndtri((ranks - 0.375) / (len(flat) + 0.25)).reshape(chains.shape))
 
 
 def _rhat(chains: FloatArray) -> FloatArray:
     length = chains.shape[1]
     within = chains.var(axis=1, ddof=1).mean(axis=0)
     between = chains.mean(axis=1).var(axis=0, ddof=1)
-    return np.sqrt((length - 1) / length + between / within)
+    return np.asarray(np.sqrt((length - 1) / length + between / within))
 
 
 def identified(draws: Draws, prior_sd_deg: FloatArray) -> NDArray[np.bool_]:
@@ -401,4 +401,4 @@ def identified(draws: Draws, prior_sd_deg: FloatArray) -> NDArray[np.bool_]:
     pooled = draws.pooled_deg
     strongest = np.abs(np.corrcoef(pooled.T) - np.eye(len(draws.names))).max(axis=1)
     narrow = pooled.std(axis=0) < IDENTIFIED_SHARE * prior_sd_deg
-    return narrow & (strongest < STRONG_CORRELATION)
+    return np.asarray(narrow & (strongest < STRONG_CORRELATION))

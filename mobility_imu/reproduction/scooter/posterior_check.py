@@ -9,13 +9,13 @@ the 90 % interval in 90 of 100 tables. A simulated cell may be negative; the lik
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from concurrent.futures import Executor
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import stats
 
+from mobility_imu.executors import run_all
 from mobility_imu.frames import FloatArray
 from mobility_imu.reproduction.scooter.posterior import (
     NAMES,
@@ -84,7 +84,7 @@ def coverage(below: FloatArray, share: float = 0.9) -> FloatArray:
     -------
     (p,) array, number of tables
     """
-    return (np.abs(below - 0.5) < share / 2).sum(axis=0).astype(float)
+    return np.asarray((np.abs(below - 0.5) < share / 2).sum(axis=0).astype(float))
 
 
 def uniformity(below: FloatArray, bins: int = 10) -> FloatArray:
@@ -126,12 +126,7 @@ def recorded_check(executor: Executor | None = None) -> dict[str, Any]:
     -------
     dict with ``numbers``
     """
-    found: Sequence[TableCheck]
-    if executor is None:
-        found = [check_table(table) for table in range(TABLES)]
-    else:
-        futures = [executor.submit(check_table, table) for table in range(TABLES)]
-        found = [future.result() for future in futures]
+    found = run_all(check_table, [(table,) for table in range(TABLES)], executor)
     return {
         "numbers": {
             "names": list(NAMES),

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mobility_imu.errors import InputError
+from mobility_imu.executors import run_all
 from mobility_imu.frames import FloatArray, wrap_angle
 from mobility_imu.reproduction.scooter.driving import (
     ANGLES,
@@ -270,7 +271,7 @@ def holds(p90_deg: FloatArray) -> FloatArray:
 def largest_dual(p90_deg: FloatArray) -> FloatArray:
     """Largest 90 % error of two IMUs over the courses, (n, 2), deg: steering and throttle."""
     by = np.asarray(p90_deg).reshape(-1, len(ANGLES), len(ESTIMATORS), len(COURSES))
-    return by[:, :, 1].max(axis=2)
+    return np.asarray(by[:, :, 1].max(axis=2))
 
 
 def quantiles(p90_deg: FloatArray) -> pd.DataFrame:
@@ -375,19 +376,6 @@ def draw_scooters(name: str, found: Sequence[Draws]) -> FloatArray:
     return np.round(values, 3)
 
 
-class _Tasks:
-    """Do tasks here or elsewhere; results come in the order of the tasks."""
-
-    def __init__(self, executor: Executor | None) -> None:
-        self.executor = executor
-
-    def map(self, function: Any, tasks: Sequence[tuple[Any, ...]]) -> list[Any]:
-        if self.executor is None:
-            return [function(*task) for task in tasks]
-        futures = [self.executor.submit(function, *task) for task in tasks]
-        return [future.result() for future in futures]
-
-
 def sample_all(executor: Executor | None = None) -> dict[str, list[Draws]]:
     """Draw all posteriors, run by run.
 
@@ -405,7 +393,7 @@ def sample_all(executor: Executor | None = None) -> dict[str, list[Draws]]:
         for k, one in enumerate(several)
         for run in range(one.sampling.runs)
     ]
-    runs: list[Run] = _Tasks(executor).map(draw_run, [task[2:] for task in todo])
+    runs: list[Run] = run_all(draw_run, [task[2:] for task in todo], executor)
     found: dict[str, list[Draws]] = {}
     for name, several in posteriors().items():
         found[name] = [
@@ -430,21 +418,24 @@ def recorded_prediction(executor: Executor | None = None) -> dict[str, Any]:
     dict with ``numbers``: ``names``, ``posteriors`` (diagnosis of each), ``faults_deg`` and
     ``p90_deg`` by set, ``swept_p90_deg`` by variation; a scooter is one line of numbers
     """
-    tasks = _Tasks(executor)
     found = sample_all(executor)
     faults = {name: draw_scooters(name, found.get(name, [])) for name in SETS}
     # What is up on the "left side slope" of the table is up on the side slope of the course.
     sides = {name: Variation(right_side_up=name != "other side") for name in faults}
     sets = {
-        name: tasks.map(
-            drive_scooter, [(k, row.tolist(), sides[name]) for k, row in enumerate(rows)]
+        name: run_all(
+            drive_scooter,
+            [(k, row.tolist(), sides[name]) for k, row in enumerate(rows)],
+            executor,
         )
         for name, rows in faults.items()
     }
     few = faults["posterior"][:SWEPT_SCOOTERS]
     swept = {BASE: sets["posterior"][:SWEPT_SCOOTERS]}
     swept |= {
-        name: tasks.map(drive_scooter, [(k, row.tolist(), one) for k, row in enumerate(few)])
+        name: run_all(
+            drive_scooter, [(k, row.tolist(), one) for k, row in enumerate(few)], executor
+        )
         for name, one in variations().items()
         if name != BASE
     }

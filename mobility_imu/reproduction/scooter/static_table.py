@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
+from mobility_imu.reproduction.scooter.paper_method import clipped_angles, subtract_body
 from mobility_imu.scooter.angles import estimate_angles
-from mobility_imu.scooter.driving import clipped_angles, subtract_body
 from mobility_imu.scooter.geometry import (
     SUZUKI_ET4D,
     ScooterGeometry,

@@ -37,6 +37,7 @@ from mobility_imu.reproduction.scooter.table1_model import (
     pick,
     places,
 )
+from mobility_imu.results import Result
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,8 +50,8 @@ IDENTIFIED_SHARE = float(np.sqrt(0.5))
 STRONG_CORRELATION = 0.8
 
 
-@dataclass(frozen=True)
-class TableFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class TableFit(Result):
     """A model fitted to a table (maximum a posteriori).
 
     Parameters
@@ -63,6 +64,7 @@ class TableFit:
     cost : squared residuals over their variances, data and priors together
     prior_cost : of that, the priors
     table_deg : (5, 5, 4) array, deg, what the model predicts: row, column, quantity
+    converged : whether the search ended at an optimum, not at its limit of evaluations
     """
 
     names: tuple[str, ...]
@@ -73,6 +75,7 @@ class TableFit:
     cost: float
     prior_cost: float
     table_deg: FloatArray
+    converged: bool = True
 
     def value_deg(self, name: str) -> float:
         """Value of one parameter, zero if it was not free."""
@@ -183,10 +186,11 @@ def fit_from(cost: TableCost, guess_deg: FloatArray) -> TableFit:
     solved = optimize.least_squares(
         cost.residuals, guess_deg, cost.derivative, method="trf", max_nfev=60, ftol=1e-7, xtol=1e-6
     )
-    return _described(cost, np.where(cost.is_noise, np.abs(solved.x), solved.x))
+    values = np.where(cost.is_noise, np.abs(solved.x), solved.x)
+    return _described(cost, values, converged=bool(solved.success))
 
 
-def _described(cost: TableCost, part_deg: FloatArray) -> TableFit:
+def _described(cost: TableCost, part_deg: FloatArray, *, converged: bool = True) -> TableFit:
     """A fit with its posterior by Gauss and Newton, from its values."""
     misfit = cost.residuals(part_deg)
     jacobian = cost.derivative(part_deg) if cost.names else np.zeros((len(misfit), 0))
@@ -201,6 +205,7 @@ def _described(cost: TableCost, part_deg: FloatArray) -> TableFit:
         cost=float(misfit @ misfit),
         prior_cost=float(((part_deg / cost.prior_sd_deg) ** 2).sum()),
         table_deg=cost.predict(part_deg),
+        converged=converged,
     )
 
 

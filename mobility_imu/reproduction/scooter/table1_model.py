@@ -198,7 +198,7 @@ class TableCost:
 
     def log_density(self, part_deg: FloatArray) -> FloatArray:
         """Logarithm of the posterior density but for a constant: minus half the cost, (...)."""
-        return -0.5 * (self.residuals(part_deg) ** 2).sum(axis=-1)
+        return np.asarray(-0.5 * (self.residuals(part_deg) ** 2).sum(axis=-1))
 
     def derivative(self, part_deg: FloatArray) -> FloatArray:
         """Derivative of the residuals, (cells + p, p), at one point (p,), by differences."""
@@ -282,7 +282,7 @@ def _lever_readings(
     turn = np.swapaxes(shaft, 1, 2) @ _turn(pick(values_deg, *LEVER_TURN))
     bias = np.tan(np.deg2rad(pick(values_deg, *LEVER_BIAS))) * body_specific_force(0.0, 0.0)[2]
     lever = np.einsum("cpji,krj->krcpi", lever_to_body, force @ shaft) @ turn[:, None, None]
-    return lever + bias[:, None, None, None]
+    return np.asarray(lever + bias[:, None, None, None])
 
 
 def _conditions() -> list[tuple[slice, int, FloatArray, FloatArray]]:
@@ -317,4 +317,4 @@ def _expected_cell(error_deg: FloatArray, noise_deg: FloatArray) -> FloatArray:
 def _turn(vectors_deg: FloatArray) -> FloatArray:
     from scipy.spatial.transform import Rotation
 
-    return Rotation.from_rotvec(np.deg2rad(vectors_deg)).as_matrix()
+    return np.asarray(Rotation.from_rotvec(np.deg2rad(vectors_deg)).as_matrix())

@@ -37,7 +37,6 @@ from mobility_imu.simulation.walker import (
 )
 from mobility_imu.walker.calibration import Method, calibrate_from_path
 from mobility_imu.walker.follow import navigate_recording
-from mobility_imu.walker.geometry import WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, NavigationSettings
 from mobility_imu.walker.stillness import StillnessSettings

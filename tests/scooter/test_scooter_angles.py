@@ -264,7 +264,7 @@ def test_a_mirror_solution_gives_the_same_acceleration(true_deg, mirror_deg):
         atol=1e-13,
     )
     # Neither form can know better, and neither flag says so.
-    for form in ("three-axis", "printed"):
+    for form in ("corrected", "printed"):
         angles = estimate_angles(
             lever_acceleration(LEVEL, *other, SUZUKI_ET4D), None, SUZUKI_ET4D, form=form
         )
@@ -312,7 +312,7 @@ def test_a_single_imu_saturates_on_a_slope(pitch_deg, roll_deg, limit_deg):
         (body_specific_force(0.0, rad(20)), 43.2, "K2 = 0 on a side slope"),
     ],
 )
-@pytest.mark.parametrize("form", ["three-axis", "printed"])
+@pytest.mark.parametrize("form", ["corrected", "printed"])
 def test_unobservable_steering_is_flagged(body, steering_deg, why, form):
     lever = lever_acceleration(body, *rad(steering_deg, 10), SUZUKI_ET4D)
     assert not estimate_angles(lever, body, SUZUKI_ET4D, form=form).valid, why
@@ -371,7 +371,7 @@ def test_bad_input_is_refused(lever, body, words):
 
 
 def test_unknown_form_is_refused():
-    with pytest.raises(InputError, match=r"form = 'closed'.*three-axis"):
+    with pytest.raises(InputError, match=r"form = 'closed'.*corrected"):
         estimate_angles([LEVEL], None, SUZUKI_ET4D, form="closed")
 
 

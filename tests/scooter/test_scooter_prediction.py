@@ -12,6 +12,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.reproduction.recorded import is_stale, numbers
 from mobility_imu.reproduction.scooter import posterior_check, prediction
 from mobility_imu.reproduction.scooter.driving import STATEMENTS, Conditions, make_ride
+from mobility_imu.reproduction.scooter.paper_method import clipped_angles
 from mobility_imu.reproduction.scooter.posterior import (
     NAMES,
     Draws,
@@ -38,7 +39,6 @@ from mobility_imu.reproduction.scooter.table1_model import (
     published_table,
 )
 from mobility_imu.scooter import SUZUKI_ET4D
-from mobility_imu.scooter.driving import clipped_angles
 from mobility_imu.simulation.scooter import COURSES, Reference, simulate_parked, with_play
 from mobility_imu.simulation.sensor import IDEAL
 

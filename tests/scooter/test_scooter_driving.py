@@ -13,22 +13,20 @@ from mobility_imu.errors import InputError
 from mobility_imu.filters import median_filter
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.reproduction.scooter import driving as study
+from mobility_imu.reproduction.scooter.paper_method import (
+    clipped_angles,
+    paper_angles,
+    subtract_body,
+)
 from mobility_imu.scooter import SUZUKI_ET4D
 from mobility_imu.scooter.angles import estimate_angles, steering_angle
-from mobility_imu.scooter.driving import (
-    clipped_angles,
-    complementary_angles,
-    moving_samples,
-    paper_angles,
-    reference_angles,
-    subtract_body,
-    synchronise,
-)
+from mobility_imu.scooter.fusion import complementary_angles
 from mobility_imu.scooter.geometry import (
     ScooterGeometry,
     body_specific_force,
     lever_acceleration,
 )
+from mobility_imu.scooter.pulses import moving_samples, reference_angles, synchronise
 
 LEVEL = body_specific_force(0.0, 0.0)
 
@@ -172,7 +170,7 @@ class TestPaperAngles:
         [
             ({"body": None}, "body's sensor, which is missing"),
             ({"moving": np.zeros(400, bool)}, "only 0 samples in motion"),
-            ({"moving": np.ones(9, bool)}, "moving has shape"),
+            ({"moving": np.ones(9, bool)}, "moving: expected shape"),
             ({"method": "triple"}, "method = 'triple'"),
         ],
     )

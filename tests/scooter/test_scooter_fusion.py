@@ -10,10 +10,9 @@ from mobility_imu.scooter import SUZUKI_ET4D, estimate_angles
 from mobility_imu.scooter.angles import angle_standard_deviations
 from mobility_imu.scooter.calibration import (
     ParkedPose,
-    calibrate_mounting,
     find_stills,
+    mount_from_poses,
     parked_poses,
-    read_mounting,
 )
 from mobility_imu.scooter.fusion import (
     FusionSettings,
@@ -21,6 +20,7 @@ from mobility_imu.scooter.fusion import (
     fuse_angles,
     move_specific_force,
 )
+from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.simulation.scooter import (
     COURSES,
     NO_SHAKING,
@@ -41,7 +41,7 @@ WHITE = SensorModel(
 )
 STATED = FusionSettings(
     acc_sd_mps2=ACC_SD * np.sqrt(2),
-    rate_sd_radps=GYR_SD * np.sqrt(2),
+    rate_noise_radps_sqrthz=GYR_SD / 10 * np.sqrt(2),
     bias_sd_radps=0.005 * np.sqrt(2),
     bias_walk_radps=1e-6,
 )
@@ -54,6 +54,11 @@ def fused(ride, settings=None, *, smooth=True, mounting=None):
         turns = (mounting.lever, mounting.lever, mounting.body, mounting.body)
         rows = [turn(values) for turn, values in zip(turns, rows, strict=True)]
     return fuse_angles(*rows, 100.0, SUZUKI_ET4D, settings, smooth=smooth)
+
+
+def plainly(loop):
+    """Python of a compiled loop; without numba it is that already."""
+    return getattr(loop, "py_func", loop)
 
 
 def share_within(error, sd):
@@ -160,10 +165,10 @@ def test_compiled_and_plain_loops_agree(noisy_rides):
         np.zeros(4),
         np.eye(4) * 0.01,
     )
-    fast, plain = fusion._filter(*arguments), fusion._filter.py_func(*arguments)
+    fast, plain = fusion._filter(*arguments), plainly(fusion._filter)(*arguments)
     for one, other in zip(fast, plain, strict=True):
         assert np.allclose(one, other, rtol=1e-9, atol=1e-12)
-    for one, other in zip(fusion._smooth(*fast), fusion._smooth.py_func(*plain), strict=True):
+    for one, other in zip(fusion._smooth(*fast), plainly(fusion._smooth)(*plain), strict=True):
         assert np.allclose(one, other, rtol=1e-7, atol=1e-10)
 
 
@@ -199,7 +204,7 @@ def calibrated():
                 POSES, pitch_rad=np.deg2rad(pitch), bank_rad=0.0, seed=10 * seed + k, unit=unit
             )
             poses += parked_poses(parked, POSES)
-        found.append((unit, calibrate_mounting(poses, SUZUKI_ET4D)))
+        found.append((unit, mount_from_poses(poses, SUZUKI_ET4D).mount))
     return found
 
 
@@ -219,7 +224,7 @@ def test_calibration_finds_what_gravity_shows():
         )
         poses += parked_poses(parked, POSES)
     # Nothing but rounding is left, so the prior may be as weak as one likes.
-    found = calibrate_mounting(poses, SUZUKI_ET4D, prior_sd_rad=1e3)
+    found = mount_from_poses(poses, SUZUKI_ET4D, prior_sd_rad=1e3).mount
     for matrix, tilt in (
         (found.rotation_lever_imu_to_lever, unit.lever_mounting),
         (found.rotation_body_imu_to_body, unit.body_mounting),
@@ -243,7 +248,7 @@ def test_calibration_and_smoother_cut_the_error_of_a_ride(calibrated):
 
 def test_level_ground_does_not_show_the_heading_of_the_body_imu():
     parked = simulate_parked(POSES, pitch_rad=0.0, bank_rad=0.0, seed=1, unit=draw_scooter(1))
-    mounting = calibrate_mounting(parked_poses(parked, POSES), SUZUKI_ET4D)
+    mounting = mount_from_poses(parked_poses(parked, POSES), SUZUKI_ET4D)
     assert mounting.unseen == ("body IMU about z",)
 
 
@@ -262,16 +267,18 @@ def test_stills_are_found_one_per_pose():
 def test_too_few_poses():
     pose = ParkedPose(np.array([0, 0, 9.8]), np.array([0, 0, 9.8]), 0.0, 0.0)
     with pytest.raises(InputError, match="at least three poses"):
-        calibrate_mounting([pose] * 4, SUZUKI_ET4D)
+        mount_from_poses([pose] * 4, SUZUKI_ET4D)
 
 
 def test_mounting_file(tmp_path):
     path = tmp_path / "g.toml"
     path.write_text("[scooter]\nsteering_inclination_deg = 20\n")
-    assert read_mounting(path) is None
+    assert ScooterMount.in_toml(path) is None
+    with pytest.raises(InputError, match=r"no section \[scooter.mount\]"):
+        ScooterMount.from_toml(path)
     path.write_text("[scooter.mount]\nrotation_lever_imu_to_lever = [[1, 0], [0, 1]]\n")
     with pytest.raises(InputError, match="expected 3 x 3 numbers"):
-        read_mounting(path)
+        ScooterMount.from_toml(path)
 
 
 def test_shapes_are_checked():

@@ -17,6 +17,7 @@ from mobility_imu.scooter.sensitivity import (
     sensitivities,
     single_imu_range,
     steering_error_per_tilt,
+    worst_error_per_tilt,
 )
 
 G = STANDARD_GRAVITY_MPS2
@@ -229,3 +230,17 @@ def test_saturated_and_unknown_are_said():
     assert np.isnan(s.lever_bias).all()
     with pytest.raises(InputError, match="imus = 'both'"):
         sensitivities(0.0, 0.0, 0.0, 0.0, SUZUKI_ET4D, imus="both")
+
+
+def test_worst_cost_of_a_tilt_is_at_a_lock_or_infinite():
+    """Level: hypot(K1, K2) / K2 at a lock. Nose down by 15 deg and leaning, K2 = 0 on the way."""
+    lock = np.deg2rad(70)
+    body = body_specific_force(np.deg2rad([0.0, -15.0]), np.deg2rad([0.0, 8.0]))
+    cost = worst_error_per_tilt(body, SUZUKI_ET4D, lock_rad=lock)
+    assert cost[0] == pytest.approx(steering_error_per_tilt(body[0], lock, SUZUKI_ET4D))
+    alpha = SUZUKI_ET4D.steering_inclination_rad
+    k2 = np.sin(alpha) * np.cos(lock)
+    assert cost[0] == pytest.approx(np.hypot(np.cos(alpha), k2) / k2)
+    assert np.isinf(cost[1])
+    with pytest.raises(InputError, match="lock_rad = 0"):
+        worst_error_per_tilt(body, SUZUKI_ET4D, lock_rad=0)

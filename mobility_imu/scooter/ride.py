@@ -1,0 +1,359 @@
+"""From the recording of a ride to both angles, with standard deviations and flags."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mobility_imu.errors import InputError
+from mobility_imu.executors import run_all
+from mobility_imu.filters import median_filter
+from mobility_imu.frames import FloatArray, as_count, as_number, one_of
+from mobility_imu.quality import frozen_samples, saturated_samples
+from mobility_imu.recording import Recording
+from mobility_imu.results import Result
+from mobility_imu.scooter.angles import Form, angle_standard_deviations, estimate_angles
+from mobility_imu.scooter.fusion import FusionSettings, acceleration_noise, fuse_angles
+from mobility_imu.scooter.geometry import ScooterGeometry
+from mobility_imu.scooter.mount import ScooterMount
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["RideAngles", "RideSettings", "estimate_ride"]
+
+Method = Literal["closed-form", "fusion"]
+LARGEST_NOISE_MPS2 = 100.0
+"""Largest noise of an accelerometer that settings may state."""
+PAPER_MEDIAN_S = (0.2, 0.3)
+"""Length of a median that passes for the paper's, which is 0.25 s."""
+
+
+@dataclass(frozen=True)
+class RideSettings:
+    """How the angles of a ride are estimated.
+
+    Parameters
+    ----------
+    method : "closed-form" (accelerations, sample by sample) or "fusion" (gyroscopes as well)
+    single_imu : whether the lever's IMU is used alone, on level ground; closed form only
+    form : of the closed form, see :func:`~mobility_imu.scooter.angles.estimate_angles`
+    median_window : samples of the running median before the closed form, odd; 1 for none
+    acc_noise_mps2 : m/s², noise (1 sd, per axis) of each accelerometer, for the closed form after
+        the median. Without it the closed form states no standard deviation, and fusion takes the
+        noise from the recording.
+    smooth : whether fusion uses the whole recording; False uses the past only
+    fusion : FusionSettings; ``acc_noise_mps2``, if it is given, takes the place of its noise
+
+    Raises
+    ------
+    InputError
+        An unknown option, a number that cannot be, or fusion with a single IMU.
+    """
+
+    method: Method = "closed-form"
+    single_imu: bool = False
+    form: Form = "corrected"
+    median_window: int = 25
+    acc_noise_mps2: float | None = None
+    smooth: bool = True
+    fusion: FusionSettings = field(default_factory=FusionSettings)
+
+    def __post_init__(self) -> None:
+        """Check every option."""
+        one_of("method", self.method, ("closed-form", "fusion"))
+        one_of("form", self.form, ("corrected", "printed"))
+        one_of("single_imu", self.single_imu, (False, True))
+        one_of("smooth", self.smooth, (False, True))
+        window = as_count(self.median_window, "median_window")
+        if window % 2 == 0:
+            raise InputError(f"median_window = {window}: expected an odd number of samples")
+        object.__setattr__(self, "median_window", window)
+        if self.method == "fusion" and self.single_imu:
+            raise InputError("method = 'fusion': needs both IMUs, but single_imu is True")
+        if self.acc_noise_mps2 is not None:
+            closed = self.method == "closed-form"
+            noise = as_number(self.acc_noise_mps2, "acc_noise_mps2", zero=closed)
+            if noise > LARGEST_NOISE_MPS2:
+                raise InputError(
+                    f"acc_noise_mps2 = {noise:g}: expected at most {LARGEST_NOISE_MPS2:g} m/s²"
+                )
+            object.__setattr__(self, "acc_noise_mps2", noise)
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Names of the sensors that are used."""
+        return ("lever",) if self.single_imu else ("lever", "body")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RideAngles(Result):
+    """Steering and throttle of a ride.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s, the recording's clock
+    steering_rad, throttle_rad : (n,) arrays, rad, positive to the left and with the lever pushed
+    steering_sd_rad, throttle_sd_rad : (n,) arrays, rad, one standard deviation by the sensors'
+        noise; NaN for the closed form without a stated noise
+    valid : (n,) bool array: the method trusts the sample, and no accelerometer that is used is
+        frozen or saturated
+    settings : RideSettings; with fusion, ``settings.fusion`` has the noise that was used
+    warnings : sentences for the user
+    """
+
+    time_s: FloatArray
+    steering_rad: FloatArray
+    throttle_rad: FloatArray
+    steering_sd_rad: FloatArray
+    throttle_sd_rad: FloatArray
+    valid: NDArray[np.bool_]
+    settings: RideSettings
+    warnings: tuple[str, ...] = ()
+
+    def to_frame(self) -> pd.DataFrame:
+        """Table of ``mobility-imu scooter angles``: time, both angles and their sd in deg, valid.
+
+        Returns
+        -------
+        DataFrame
+            ``time_s``, ``steering_deg``, ``throttle_deg``, ``steering_sd_deg``,
+            ``throttle_sd_deg``, ``valid`` (1 or 0)
+        """
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "time_s": self.time_s,
+                "steering_deg": np.rad2deg(self.steering_rad),
+                "throttle_deg": np.rad2deg(self.throttle_rad),
+                "steering_sd_deg": np.rad2deg(self.steering_sd_rad),
+                "throttle_sd_deg": np.rad2deg(self.throttle_sd_rad),
+                "valid": self.valid.astype(int),
+            }
+        )
+
+
+@overload
+def estimate_ride(
+    recording: Recording,
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None = None,
+    settings: RideSettings | None = None,
+    *,
+    executor: Any = None,
+) -> RideAngles: ...
+
+
+@overload
+def estimate_ride(
+    recording: Sequence[Recording],
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None = None,
+    settings: RideSettings | None = None,
+    *,
+    executor: Any = None,
+) -> list[RideAngles]: ...
+
+
+def estimate_ride(
+    recording: Recording | Sequence[Recording],
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None = None,
+    settings: RideSettings | None = None,
+    *,
+    executor: Any = None,
+) -> RideAngles | list[RideAngles]:
+    """Steering and throttle angles of one ride, or of several.
+
+    Parameters
+    ----------
+    recording : Recording, or a list of them, with a sensor ``lever`` and, unless it is used alone,
+        ``body``; fusion needs the gyroscopes of both
+    geometry : ScooterGeometry
+    mount : ScooterMount that is applied to the readings; None takes the IMUs' axes for {T} and {B}
+    settings : RideSettings; None is the default
+    executor : for a list, anything with ``submit``, which then gets one task per recording
+
+    Returns
+    -------
+    RideAngles, or a list of them in the order of the recordings
+
+    Raises
+    ------
+    InputError
+        A sensor or gyroscope that is missing, a recording that is shorter than the median or too
+        slow for fusion, accelerations in g, or with gravity in the wrong direction. The message
+        begins with the recording's source.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from mobility_imu.recording import Imu, Recording
+    >>> from mobility_imu.scooter import SUZUKI_ET4D, estimate_ride
+    >>> noise = np.random.default_rng(1).normal(0, 0.02, (2, 100, 3))
+    >>> body, lever = noise + [[[0.0, 0.0, 9.807]], [[1.677, -2.256, 9.395]]]
+    >>> sensors = {"lever": Imu(lever), "body": Imu(body)}
+    >>> ride = estimate_ride(Recording(np.arange(100) / 100, sensors), SUZUKI_ET4D)
+    >>> ride.to_frame()[["steering_deg", "throttle_deg"]].mean().round().tolist()
+    [30.0, 20.0]
+    """
+    settings = RideSettings() if settings is None else settings
+    if isinstance(recording, Recording):
+        return _estimate(recording, geometry, mount, settings)
+    tasks = [(one, geometry, mount, settings) for one in recording]
+    return run_all(_estimate, tasks, executor)
+
+
+def _estimate(
+    ride: Recording, geometry: ScooterGeometry, mount: ScooterMount | None, settings: RideSettings
+) -> RideAngles:
+    if "body" in settings.sensors and "body" not in ride.sensors:
+        raise InputError(
+            f"{ride.source}: no sensor 'body'; with the lever's IMU alone set single_imu=True"
+        )
+    acc = {name: ride.sensor(name).acc_mps2 for name in settings.sensors}
+    usable, warnings = usable_samples(ride, settings.sensors)
+    if settings.method == "fusion":
+        gyr = {name: ride.gyroscope(name) for name in settings.sensors}
+        settings = dataclasses.replace(settings, fusion=_fusion_settings(settings, acc))
+    try:
+        if settings.method == "fusion":
+            angles = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
+        else:
+            angles = _closed_form(acc, geometry, mount, settings)
+            warnings += _doubts_of_median(settings.median_window, ride.sampling_rate_hz)
+    except InputError as error:
+        raise InputError(f"{ride.source}: {error}") from None
+    steering, throttle, steering_sd, throttle_sd, valid = angles
+    return RideAngles(
+        ride.time_s,
+        steering,
+        throttle,
+        steering_sd,
+        throttle_sd,
+        valid & usable,
+        settings,
+        tuple(warnings),
+    )
+
+
+def usable_samples(ride: Recording, names: Sequence[str]) -> tuple[NDArray[np.bool_], list[str]]:
+    """Samples in which no accelerometer is frozen or saturated, and a sentence on the others.
+
+    Parameters
+    ----------
+    ride : Recording
+    names : sensors that are looked at
+
+    Returns
+    -------
+    usable : (n,) bool array
+    warnings : list of sentences
+    """
+    usable, warnings = np.ones(len(ride), bool), []
+    for name in names:
+        acc = ride.sensor(name).acc_mps2
+        for what, bad in (
+            ("is frozen", frozen_samples(acc, ride.sampling_rate_hz)),
+            ("is saturated", saturated_samples(acc)),
+        ):
+            if bad.any():
+                warnings.append(
+                    f"{ride.source}: {name}_acc {what} in {int(bad.sum())} samples, first at "
+                    f"{ride.time_s[np.argmax(bad)]:g} s; they are marked as not valid"
+                )
+                usable &= ~bad
+    return usable, warnings
+
+
+def _turned(
+    vectors: dict[str, FloatArray], mount: ScooterMount | None
+) -> tuple[FloatArray, FloatArray | None]:
+    """Readings of lever and body in {T} and {B}."""
+    lever, body = vectors["lever"], vectors.get("body")
+    if mount is None:
+        return lever, body
+    return mount.lever(lever), None if body is None else mount.body(body)
+
+
+def _closed_form(
+    acc: dict[str, FloatArray],
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None,
+    settings: RideSettings,
+) -> tuple[Any, ...]:
+    smooth = {name: median_filter(values, settings.median_window) for name, values in acc.items()}
+    lever, body = _turned(smooth, mount)
+    found = estimate_angles(lever, body, geometry, form=settings.form)
+    sd: tuple[FloatArray, ...] = (np.full(len(lever), np.nan),) * 2
+    noise = settings.acc_noise_mps2
+    if noise is not None:
+        sd = angle_standard_deviations(
+            lever,
+            found.steering_rad,
+            found.throttle_rad,
+            geometry,
+            lever_sd_mps2=noise,
+            body_sd_mps2=0.0 if body is None else noise,
+        )
+    return found.steering_rad, found.throttle_rad, *sd, found.valid
+
+
+def _doubts_of_median(window: int, sampling_rate_hz: float) -> list[str]:
+    span = window / sampling_rate_hz
+    low, high = PAPER_MEDIAN_S
+    if window == 1 or low <= span <= high:
+        return []
+    odd = 2 * round(0.25 * sampling_rate_hz / 2 - 0.5) + 1
+    return [
+        f"a median of {window} samples is {span:.3g} s long at {sampling_rate_hz:g} Hz, the "
+        f"paper's is 0.25 s: median_window = {odd} would be"
+    ]
+
+
+def _fusion_settings(settings: RideSettings, acc: dict[str, FloatArray]) -> FusionSettings:
+    """Settings with the noise that was stated, or that the readings show in the sensors' axes."""
+    if settings.acc_noise_mps2 is not None:
+        # The filter's noise is that of the difference of both sensors.
+        noise = settings.acc_noise_mps2 * 2**0.5
+    elif settings.fusion.acc_sd_mps2 is not None:
+        return settings.fusion
+    else:
+        noise = acceleration_noise(acc["lever"], acc["body"])
+    return dataclasses.replace(settings.fusion, acc_sd_mps2=noise)
+
+
+def _fused(
+    acc: dict[str, FloatArray],
+    gyr: dict[str, FloatArray],
+    sampling_rate_hz: float,
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None,
+    settings: RideSettings,
+) -> tuple[Any, ...]:
+    lever_acc, body_acc = _turned(acc, mount)
+    lever_gyr, body_gyr = _turned(gyr, mount)
+    assert body_acc is not None and body_gyr is not None
+    found = fuse_angles(
+        lever_acc,
+        lever_gyr,
+        body_acc,
+        body_gyr,
+        sampling_rate_hz,
+        geometry,
+        settings.fusion,
+        smooth=settings.smooth,
+    )
+    return (
+        found.steering_rad,
+        found.throttle_rad,
+        found.steering_sd_rad,
+        found.throttle_sd_rad,
+        found.valid,
+    )
