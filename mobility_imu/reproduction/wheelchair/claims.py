@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from mobility_imu.data import recordings_folder, reference_folder
-from mobility_imu.readers import read_recording
+from mobility_imu.data import reference_folder
 from mobility_imu.readers.velocities import read_velocities
 from mobility_imu.reproduction.claims import Cell, Claim, Quotation
 from mobility_imu.reproduction.wheelchair.claims_equations import equation_claims
@@ -26,6 +25,13 @@ from mobility_imu.reproduction.wheelchair.sample import (
     letter_combinations,
     open_combinations,
     printed_patterns,
+)
+from mobility_imu.simulation.wheelchair import (
+    COURT,
+    STATIC_TRIAL,
+    STRAIGHT_TRIAL,
+    random_mounting,
+    simulate_drive,
 )
 from mobility_imu.wheelchair.calibration import calibrate
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
@@ -368,11 +374,15 @@ def _court() -> Claim:
 
 
 def _tasks_on_court() -> float:
-    folder = recordings_folder() / "wheelchair_court"
-    static, straight, court = (
-        read_recording(folder / f"{name}.csv.gz") for name in ("static", "straight", "court")
+    # Simulated here: an installed package carries no recordings.
+    geometry = WheelchairGeometry.from_degrees(
+        19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
     )
-    geometry = WheelchairGeometry.from_toml(folder / "geometry.toml")
+    mounting = random_mounting(1)
+    static, straight, court = (
+        simulate_drive(legs, geometry, mounting, seed=1000 + k).recording
+        for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
+    )
     found = estimate_velocity(court, calibrate(static, straight), geometry)
     codes = identify_tasks(found.linear_velocity_mps, found.yaw_rate_radps, court.sampling_rate_hz)
     return float(len(set(codes.tolist()) & set(Task)))
