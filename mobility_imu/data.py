@@ -13,7 +13,7 @@ from pathlib import Path
 from mobility_imu.errors import InputError
 
 ROOT = Path(__file__).resolve().parents[1]
-"""Folder that holds the package: the checkout, or where packages are installed."""
+"""Folder that holds the package, in a checkout or where packages are installed."""
 INSTALLED = "_data"
 """Folder inside the package in which a wheel carries the tables (see ``setup.py``)."""
 SAMPLE_VARIABLE = "MOBILITY_IMU_DATA"
