@@ -27,7 +27,7 @@ Choice = TypeVar("Choice")
 STANDARD_GRAVITY_MPS2 = 9.80665
 """What an ideal accelerometer at rest reads in total, m/s² (standard gravity)."""
 GAP_FACTOR = 1.5
-"""A time step longer than this many usual ones is a gap; at 1.5 a sample is missing."""
+"""A time step longer than this many usual ones is a gap: at 1.5 a sample is missing."""
 
 
 def wrap_angle(angle_rad: ArrayLike) -> FloatArray:
