@@ -9,6 +9,7 @@ import ast
 import importlib
 import inspect
 import pkgutil
+import re
 from functools import cache
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from docutils.statemachine import StringList
 from sphinx.util.docutils import SphinxDirective
 
 ROOT = "mobility_imu"
+PAGE = Path(__file__).resolve().parents[1] / "api.md"
 
 
 @cache
@@ -67,8 +69,8 @@ def offered(package):
 
 @cache
 def public():
-    """Modules and names that the pages with ``public-api`` document."""
-    found = set()
+    """Modules and names that the page with ``public-api`` documents."""
+    found = set(re.findall(r"^```{public-api} (\S+)$", PAGE.read_text(), flags=re.MULTILINE))
     for package in modules_of(ROOT):
         if hasattr(importlib.import_module(package), "__path__"):
             found |= {
