@@ -49,8 +49,10 @@ $(VENV)/gaitmap/.installed: benchmarks/requirements-gaitmap.txt
 record: $(VENV)/.installed ## compute again what data/recorded keeps (an hour)
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m mobility_imu.reproduction.recorded
 
-lock: $(VENV)/.installed  ## renew constraints.txt from this environment
-	$(BIN)/python -m pip freeze --exclude-editable > constraints.txt
+lock:                     ## renew constraints.txt: the newest versions within the bounds, all extras
+	rm -rf _build/lock && $(PYTHON) -m venv _build/lock
+	_build/lock/bin/python -m pip install --disable-pip-version-check --quiet -e ".[dev,cluster]"
+	_build/lock/bin/python -m pip freeze --exclude-editable > constraints.txt
 
 clean:                    ## forget built pages, executed notebooks and wheels
 	rm -rf _build build dist
