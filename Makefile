@@ -6,7 +6,7 @@ JB     := build . --path-output ../.. --all --config book/_config.yml --toc book
           -W -n --keep-going
 BOOKS  := $(shell find notebooks -name '*.ipynb' -not -path '*/.ipynb_checkpoints/*')
 
-.PHONY: book test lint lab bench record lock clean help
+.PHONY: book page test lint check lab bench record lock clean help
 help:                     ## list the commands
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 10
 
@@ -15,6 +15,9 @@ book: $(VENV)/.installed  ## set up, execute what changed, build the HTML strict
 	$(BIN)/python book/execute.py --assemble
 	cd _build/source && $(CURDIR)/$(BIN)/jupyter-book $(JB)
 	@echo; echo "The book is at file://$(CURDIR)/_build/html/index.html"
+
+page: $(VENV)/.installed  ## build one page, not strictly: make page P=notebooks/walker/steps.ipynb
+	$(BIN)/python book/page.py $(P)
 
 test: $(VENV)/.installed  ## set up, run every test and doctest, and the notebooks that changed
 	$(BIN)/python book/execute.py
@@ -26,6 +29,9 @@ lint: $(VENV)/.installed  ## style, types, spelling, stripped notebooks
 	$(BIN)/mypy
 	$(BIN)/codespell
 	$(BIN)/nbstripout --verify --keep-id $(BOOKS)
+
+check: $(VENV)/.installed ## slow checks, half an hour: all of them, or make check STEP=wheel
+	$(BIN)/python checks/check.py $(STEP)
 
 lab: $(VENV)/.installed   ## open the notebooks in JupyterLab
 	$(BIN)/jupyter lab notebooks
@@ -43,13 +49,15 @@ $(VENV)/gaitmap/.installed: benchmarks/requirements-gaitmap.txt
 record: $(VENV)/.installed ## compute again what data/recorded keeps (an hour)
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m mobility_imu.reproduction.recorded
 
-lock: $(VENV)/.installed  ## renew constraints.txt from this environment
-	$(BIN)/python -m pip freeze --exclude-editable > constraints.txt
+lock:                     ## renew constraints.txt: the newest versions within the bounds, all extras
+	rm -rf _build/lock && $(PYTHON) -m venv _build/lock
+	_build/lock/bin/python -m pip install --disable-pip-version-check --quiet -e ".[dev,cluster]"
+	_build/lock/bin/python -m pip freeze --exclude-editable > constraints.txt
 
-clean:                    ## forget built pages and executed notebooks
-	rm -rf _build
+clean:                    ## forget built pages, executed notebooks and wheels
+	rm -rf _build build dist
 
-$(VENV)/.installed: requirements.txt constraints.txt pyproject.toml
+$(VENV)/.installed: requirements.txt constraints.txt pyproject.toml setup.py
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --disable-pip-version-check --quiet -r requirements.txt
 	mkdir -p $(VENV)/etc/ipython

@@ -1,13 +1,21 @@
-"""Where the data lie: bundled in the project's folder ``data``, the public sample elsewhere."""
+"""Where data are: the folder ``data`` of a checkout, or the tables inside an installed package.
+
+An installed package carries the published tables, the recorded results and the public tool's
+answers. The simulated recordings come with a checkout; WheelMove-ID's sample comes with neither.
+"""
 
 from __future__ import annotations
 
 import os
+from importlib import resources
 from pathlib import Path
 
 from mobility_imu.errors import InputError
 
-DATA = Path(__file__).resolve().parents[1] / "data"
+ROOT = Path(__file__).resolve().parents[1]
+"""Folder that holds the package, in a checkout or where packages are installed."""
+INSTALLED = "_data"
+"""Folder inside the package in which a wheel carries the tables (see ``setup.py``)."""
 SAMPLE_VARIABLE = "MOBILITY_IMU_DATA"
 SAMPLE_REPOSITORY = "https://github.com/YoannPoulet/wheelmove-IDv0"
 SAMPLE_COMMIT = "c4607af211de9dc3aa4bc7d1e4722ca2c53e12f7"
@@ -16,15 +24,41 @@ SAMPLE_ARCHIVE = "assets/SampleData.zip"
 SAMPLE_ARCHIVE_SHA256 = "cf6acec163e966480f2bf3e1b430b2cc87436e0c1b46d6a5d351fcbe6e454aff"
 
 
-def recordings_folder() -> Path:
-    """Folder of the simulated recordings.
+def checkout() -> Path | None:
+    """Root of the project if this package runs from a checkout of it.
+
+    Returns
+    -------
+    Path, or None for an installed package. A folder ``data`` of somebody else, beside an installed
+    package, is not taken for ours.
+    """
+    try:
+        project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    except OSError:
+        return None
+    return ROOT if 'name = "mobility-imu"' in project else None
+
+
+def published_folder() -> Path:
+    """Folder of the papers' tables as printed.
 
     Raises
     ------
     InputError
-        If the package was installed without the project around it.
+        If it is missing.
     """
-    return _bundled("recordings", "the bundled recordings")
+    return _bundled("published", "the published tables")
+
+
+def recorded_folder() -> Path:
+    """Folder of the results that are too long for a page.
+
+    Raises
+    ------
+    InputError
+        If it is missing.
+    """
+    return _bundled("recorded", "the recorded results")
 
 
 def reference_folder() -> Path:
@@ -33,15 +67,37 @@ def reference_folder() -> Path:
     Raises
     ------
     InputError
-        If the package was installed without the project around it.
+        If it is missing.
     """
     return _bundled("reference", "the public tool's recorded answers")
 
 
+def recordings_folder() -> Path:
+    """Folder of the simulated recordings, which come with a checkout only.
+
+    Raises
+    ------
+    InputError
+        If the package was installed without the project around it.
+    """
+    root = checkout()
+    folder = None if root is None else root / "data" / "recordings"
+    if folder is None or not folder.is_dir():
+        raise InputError(
+            "the bundled recordings come with a checkout of the project only; "
+            "'mobility-imu simulate' makes them anew"
+        )
+    return folder
+
+
 def _bundled(name: str, what: str) -> Path:
-    folder = DATA / name
+    root = checkout()
+    if root is not None:
+        folder = root / "data" / name
+    else:
+        folder = Path(str(resources.files("mobility_imu") / INSTALLED / name))
     if not folder.is_dir():
-        raise InputError(f"{folder}: no such folder; {what} come with a checkout of the project")
+        raise InputError(f"{folder}: no such folder; it holds {what}: install the package again")
     return folder
 
 

@@ -15,7 +15,8 @@ def run_all(
 
     Parameters
     ----------
-    function : callable; for another process it has to be picklable, as its arguments and results
+    function : callable; for another process it has to be picklable, as its arguments and results.
+        ``functools.partial`` gives it settings by name.
     arguments : one tuple of arguments per call
     executor : anything with ``submit`` (``ProcessPoolExecutor``, ``Client.get_executor()`` of Dask,
         ``MPIPoolExecutor``); None computes here, one call after the other
@@ -23,6 +24,7 @@ def run_all(
     Returns
     -------
     list
+        The same for every executor. If a call raises, so does this; calls that wait are cancelled.
 
     Examples
     --------
@@ -31,4 +33,9 @@ def run_all(
     """
     if executor is None:
         return [function(*each) for each in arguments]
-    return [future.result() for future in [executor.submit(function, *each) for each in arguments]]
+    futures = [executor.submit(function, *each) for each in arguments]
+    try:
+        return [future.result() for future in futures]
+    finally:
+        for future in futures:
+            future.cancel()  # those that are done stay done

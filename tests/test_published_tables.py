@@ -14,8 +14,9 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 
+from mobility_imu.data import published_folder
 from mobility_imu.errors import InputError
-from mobility_imu.reproduction.published import PUBLISHED_DIR, load_published, published_names
+from mobility_imu.reproduction.published import load_published, published_names
 
 CELLS = {
     "scooter_table1": 100,  # 5 inclinations x 5 columns x (MAE, SD) x (single, dual)
@@ -76,7 +77,7 @@ def test_every_cell_is_there_once(name):
 
 @pytest.mark.parametrize("name", [*CELLS, "SOURCES"])
 def test_files_are_plain_rectangular_and_without_empty_fields(name):
-    text = (PUBLISHED_DIR / f"{name}.csv").read_bytes().decode("ascii")
+    text = (published_folder() / f"{name}.csv").read_bytes().decode("ascii")
     assert "\r" not in text
     assert text.endswith("\n")
     header, *lines = csv.reader(text.splitlines())
@@ -87,7 +88,7 @@ def test_files_are_plain_rectangular_and_without_empty_fields(name):
 
 
 def test_each_table_has_one_source():
-    with (PUBLISHED_DIR / "SOURCES.csv").open(newline="", encoding="ascii") as file:
+    with (published_folder() / "SOURCES.csv").open(newline="", encoding="ascii") as file:
         sources = list(csv.DictReader(file))
     assert list(sources[0]) == [
         "work",
@@ -136,8 +137,8 @@ def test_unknown_table_is_refused_with_the_names_that_exist(name):
 
 
 def test_missing_data_folder_is_named(monkeypatch, tmp_path):
-    monkeypatch.setattr("mobility_imu.reproduction.published.PUBLISHED_DIR", tmp_path)
-    with pytest.raises(InputError, match="source checkout"):
+    monkeypatch.setattr("mobility_imu.data.ROOT", tmp_path)
+    with pytest.raises(InputError, match="published tables"):
         load_published("scooter_table1")
 
 

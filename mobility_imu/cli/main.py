@@ -21,7 +21,7 @@ from mobility_imu.cli.scooter import app as scooter_app
 from mobility_imu.cli.simulate import app as simulate_app
 from mobility_imu.cli.walker import app as walker_app
 from mobility_imu.cli.wheelchair import app as wheelchair_app
-from mobility_imu.errors import MobilityImuError
+from mobility_imu.errors import MobilityImuError, missing_extra
 
 DONE, AT_FAULT, INTERRUPTED = 0, 2, 130
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -88,6 +88,11 @@ def _run() -> tuple[int, str]:
             sys.stdout.flush()
     except MobilityImuError as error:
         return AT_FAULT, str(error)
+    except ModuleNotFoundError as error:
+        missing = missing_extra(error)
+        if missing is None:
+            raise
+        return AT_FAULT, str(missing)
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED
     except MemoryError:

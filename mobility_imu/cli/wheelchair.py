@@ -11,7 +11,7 @@ import typer
 
 from mobility_imu.cli.files import Outputs, csv_bytes, figure_bytes
 from mobility_imu.cli.options import FillGaps, Output, Rate, sub_app
-from mobility_imu.errors import InputError
+from mobility_imu.errors import InputError, needs
 
 if TYPE_CHECKING:
     from mobility_imu.readers.velocities import VelocitySeries
@@ -184,6 +184,8 @@ def tasks(
     outputs = Outputs({"--output": output, "--events": events, "--figure": figure}, inputs)
     if figure is not None and figure.suffix not in PICTURES:
         raise InputError(f"--figure {figure}: expected a name that ends in .png, .svg or .pdf")
+    if figure is not None:
+        needs("matplotlib")  # before the work, not after it
     from mobility_imu.wheelchair import identify_tasks, task_events
     from mobility_imu.wheelchair.outcomes import turn_direction
 

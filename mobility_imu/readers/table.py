@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -154,8 +155,9 @@ def parse_numbers(text: str, *, separator: str, source: str, first_line: int = 1
     decimal = "," if separator != "," and "," in body[:4096] else "."
     count = len(header)
     values = None
-    # The parser takes the table's width from the first row, and drops cells beyond it.
-    if _first_row(body).count(separator) <= count:
+    # The parser takes the table's width from the first row, and drops cells beyond it; some
+    # versions drop what follows a NUL, too.
+    if _first_row(body).count(separator) <= count and "\0" not in body:
         try:
             frame = pd.read_csv(
                 io.StringIO(body),
@@ -167,6 +169,7 @@ def parse_numbers(text: str, *, separator: str, source: str, first_line: int = 1
                 decimal=decimal,
                 dtype=np.float64,
                 skipinitialspace=True,
+                **_exact(pd.__version__),
             )
         except (ValueError, OverflowError, pd.errors.ParserError):
             pass
@@ -178,6 +181,12 @@ def parse_numbers(text: str, *, separator: str, source: str, first_line: int = 1
     if values is None:
         raise InputError(f"{source}: cannot be read as a table of numbers")
     return NumberTable(header, values[:, :-1], source)
+
+
+def _exact(version: str) -> dict[str, Any]:
+    """Options with which this version of pandas reads each number to its last digit."""
+    before = tuple(int(part) for part in version.split(".")[:2]) < (3, 1)
+    return {"float_precision": "round_trip"} if before else {}
 
 
 def _first_row(body: str) -> str:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mobility_imu.data import published_folder
 from mobility_imu.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
-
-PUBLISHED_DIR = Path(__file__).resolve().parents[2] / "data" / "published"
-"""Where the tables lie in a source checkout (``pip install -e .``)."""
 
 
 def published_names() -> list[str]:
@@ -26,7 +23,7 @@ def published_names() -> list[str]:
     >>> published_names()[0]
     'scooter_table1'
     """
-    return sorted(path.stem for path in PUBLISHED_DIR.glob("*_table*.csv"))
+    return sorted(path.stem for path in published_folder().glob("*_table*.csv"))
 
 
 def load_published(name: str) -> pd.DataFrame:
@@ -56,14 +53,9 @@ def load_published(name: str) -> pd.DataFrame:
     import pandas as pd
 
     names = published_names()
-    if not names:
-        raise InputError(
-            f"no published tables in {PUBLISHED_DIR}: the package has to run from a source "
-            "checkout (pip install -e .)"
-        )
     if name not in names:
         raise InputError(f"published table {name!r} is unknown; available: {', '.join(names)}")
-    cells = pd.read_csv(PUBLISHED_DIR / f"{name}.csv", dtype=str, keep_default_na=False)
+    cells = pd.read_csv(published_folder() / f"{name}.csv", dtype=str, keep_default_na=False)
     cells = cells.rename(columns={"value": "printed"})
     cells["table"] = cells["table"].astype(int)
     cells.insert(

@@ -15,11 +15,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from mobility_imu.data import DATA
+from mobility_imu.data import checkout, recorded_folder
 from mobility_imu.errors import InputError
 from mobility_imu.reproduction.imports import called, file_of, reached
-
-RECORDED_DIR = DATA / "recorded"
 
 
 class Study(NamedTuple):
@@ -94,7 +92,7 @@ def load_record(name: str) -> dict[str, Any]:
     InputError
         If there is no such record.
     """
-    path = RECORDED_DIR / f"{name}.json"
+    path = recorded_folder() / f"{name}.json"
     if name not in STUDIES or not path.is_file():
         raise InputError(f"record {name!r}: no such record; there are {', '.join(STUDIES)}")
     record: dict[str, Any] = json.loads(path.read_text())
@@ -126,9 +124,17 @@ def write_record(name: str, executor: Any = None) -> Path | None:
     Returns
     -------
     Path of the record, or None if the study could not run for want of its recording
+
+    Raises
+    ------
+    InputError
+        If the package was installed without the project around it.
     """
     from datetime import date
 
+    root = checkout()
+    if root is None:
+        raise InputError("records are renewed in a checkout of the project only")
     study = STUDIES[name]
     found = getattr(importlib.import_module(study.module), study.function)(executor)
     if found is None:
@@ -142,8 +148,9 @@ def write_record(name: str, executor: Any = None) -> Path | None:
         "code": code_digest(study),
         "date": date.today().isoformat(),
     }
-    RECORDED_DIR.mkdir(exist_ok=True)
-    path = RECORDED_DIR / f"{name}.json"
+    folder = root / "data" / "recorded"
+    folder.mkdir(exist_ok=True)
+    path = folder / f"{name}.json"
     part = path.with_suffix(".part")
     part.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n")
     part.replace(path)

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special, stats
 
+from mobility_imu.errors import needs
 from mobility_imu.frames import FloatArray
 from mobility_imu.reproduction.scooter.table1_fit import (
     IDENTIFIED_SHARE,
@@ -155,7 +156,7 @@ def anneal(cost: TableCost, sampling: Sampling, random: np.random.RandomState) -
     -------
     (particles, p) array, deg
     """
-    import emcee
+    emcee = needs("emcee")
 
     count, size = sampling.particles, len(cost.names)
     here = cost.prior_sd_deg * random.standard_normal((count, size))
@@ -267,7 +268,7 @@ class Run(NamedTuple):
 
 def draw_run(cost: TableCost, sampling: Sampling, seed: Sequence[int]) -> Run:
     """Draw one ensemble, its walkers started all over the prior."""
-    import emcee
+    emcee = needs("emcee")
 
     random = np.random.RandomState(np.random.SeedSequence(list(seed)).generate_state(8))
     particles = anneal(cost, sampling, random)
@@ -340,7 +341,7 @@ def diagnose(draws: Draws, *, thin: int = 10) -> Diagnosis:
     of their distances from the median. The effective number is the number of draws over emcee's
     integrated autocorrelation time.
     """
-    import emcee
+    emcee = needs("emcee")
 
     runs, steps, walkers, count = draws.values_deg.shape
     few = draws.values_deg[:, : steps // (2 * thin) * 2 * thin : thin]

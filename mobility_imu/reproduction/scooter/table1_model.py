@@ -129,9 +129,9 @@ def table_checksum() -> dict[str, str]:
     """SHA-256 of the file with Table 1, by its name, for a record."""
     import hashlib
 
-    from mobility_imu.data import DATA
+    from mobility_imu.data import published_folder
 
-    table = DATA / "published" / "scooter_table1.csv"
+    table = published_folder() / "scooter_table1.csv"
     return {table.name: hashlib.sha256(table.read_bytes()).hexdigest()}
 
 

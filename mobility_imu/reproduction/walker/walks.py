@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mobility_imu.reproduction.published import PUBLISHED_DIR
+from mobility_imu.data import published_folder
 from mobility_imu.reproduction.walker.past import past_numbers
 from mobility_imu.reproduction.walker.studies import (
     LEVELS,
@@ -52,7 +52,7 @@ def walker_walks(executor: Any = None) -> dict[str, Any]:
         ``numbers``, see :func:`walk_numbers`, and ``inputs``: SHA-256 of Table 1, from which the
         mountings come.
     """
-    table = PUBLISHED_DIR / "walker_table1.csv"
+    table = published_folder() / "walker_table1.csv"
     return {
         "numbers": walk_numbers(range(SEEDS), range(SOURCE_SEEDS), executor=executor),
         "inputs": {table.name: hashlib.sha256(table.read_bytes()).hexdigest()},
