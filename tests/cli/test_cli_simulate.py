@@ -1,5 +1,8 @@
 """Simulations on the command line: the same seed, the same bytes; a failure leaves nothing."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -39,3 +42,15 @@ def test_a_large_seed_is_a_seed(works, tmp_path):
 @pytest.mark.parametrize("device", ["scooter", "wheelchair", "walker"])
 def test_an_empty_name_is_not_the_current_folder(fails, device):
     fails("simulate", device, "--seed", 1, "-o", "", says=["--output", "the name is empty"])
+
+
+def test_simulations_work_without_the_reproduction(tmp_path):
+    """The commands' module loads nothing of it, also while it works."""
+    code = (
+        "import sys; sys.modules['mobility_imu.reproduction'] = None\n"
+        "from mobility_imu.__main__ import main\n"
+        f"sys.argv = ['', 'simulate', 'walker', '--seed', '1', '-o', {str(tmp_path / 'new')!r}]\n"
+        "main()"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+    assert len(list((tmp_path / "new").iterdir())) == 5
