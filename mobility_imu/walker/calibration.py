@@ -143,11 +143,13 @@ def calibrate_mount(
         If the tilts that the method needs are not in the recording (the message says which), or
         an option has none of its values.
     """
+    if not isinstance(recording, Recording):
+        raise InputError(f"recording = {recording!r:.60}: expected a Recording")
     one_of("method", method, _METHODS)
     one_of("form", form, ("corrected", "printed"))
 
     def calibrate(readings: Recording) -> WalkerCalibration:
-        path, said = navigate_recording(
+        path, warnings = navigate_recording(
             readings, smooth=smooth, settings=settings, stillness=stillness
         )
         return calibrate_from_path(
@@ -159,7 +161,7 @@ def calibrate_mount(
             velocity_tilt_rad=velocity_tilt_rad,
             settings=settings,
             stillness=stillness,
-            warnings=said,
+            warnings=warnings,
         )
 
     try:
@@ -235,11 +237,13 @@ def calibrate_from_path(
     one_of("method", method, _METHODS)
     one_of("form", form, ("corrected", "printed"))
     as_number(velocity_tilt_rad, "velocity_tilt_rad")
-    tilts, said = find_tilts(path, order)
+    if not isinstance(geometry, WalkerGeometry):
+        raise InputError(f"geometry = {geometry!r:.60}: expected a WalkerGeometry")
+    tilts, of_tilts = find_tilts(path, order)
     with_ = _Choice(
         geometry, method, form, settings or NavigationSettings(), stillness or StillnessSettings()
     )
-    notes = [*warnings, *said]
+    notes = [*warnings, *of_tilts]
     if method == "all-samples":
         return _from_arcs(path, tilts, with_, notes)
     needed: tuple[TiltDirection, ...] = (
@@ -248,7 +252,7 @@ def calibrate_from_path(
     have = {tilt.direction: tilt for tilt in reversed(tilts)}
     missing = [name for name in needed if name not in have]
     if missing:
-        more = f" ({'; '.join(said)})" if said else ""
+        more = f" ({'; '.join(of_tilts)})" if of_tilts else ""
         raise InputError(
             f"'{method}' needs tilts to the {', '.join(needed)}; missing: "
             f"{', '.join(missing)}{more}"
