@@ -41,7 +41,8 @@ def fit_arc(position_m: ArrayLike, rotation_imu_to_world: ArrayLike) -> ArcFit:
 
     With a fixed axis, r_k = e + R(q_k) arm. The axis is the main direction of the rotation vectors
     from the start; the arm is at right angles to it. Neighbouring residuals are alike, so that
-    the covariance is that of as many samples as are independent.
+    the covariance is that of as many samples as are independent. Errors that change more slowly
+    than the arc lasts are not in it: the fit takes them up.
 
     Parameters
     ----------

@@ -59,6 +59,8 @@ def navigate_recording(
         If there is no rest within the first seconds, a reading is larger than any sensor's, the
         rate is too low, or ``closed_loop`` is asked for without the smoother.
     """
+    if not isinstance(recording, Recording):
+        raise InputError(f"recording = {recording!r:.60}: expected a Recording")
     if closed_loop is not None and not smooth:
         raise InputError("closed_loop needs the smoother: it cannot be had with smooth=False")
     imu, gyr = recording.sensor("frame", gyroscope=True), recording.gyroscope("frame")

@@ -215,11 +215,11 @@ def _height_and_pitch(
 
 def _uncertain_count(trajectory: Trajectory, swing_s: FloatArray) -> list[str]:
     """What makes a count uncertain: moves with no stand between them, stands in the air."""
-    doubts = []
+    found = []
     limit = min(_LONGEST_SWING_S, 2 * float(np.median(swing_s))) if len(swing_s) else 0.0
     long = swing_s > limit
     if long.any():
-        doubts.append(
+        found.append(
             f"moves too long for one step: {long.sum()}, up to {swing_s.max():.1f} s; if the frame "
             "did not stand still between two steps, they count as one"
         )
@@ -228,12 +228,12 @@ def _uncertain_count(trajectory: Trajectory, swing_s: FloatArray) -> list[str]:
     stands = runs_of(trajectory.stationary)
     aslant = sum(float(np.median(lean[run])) > usual + _STANDING_TILT_RAD for run in stands)
     if aslant:
-        doubts.append(
+        found.append(
             f"stands that lean by {np.rad2deg(_STANDING_TILT_RAD):.0f} deg more than usual: "
             f"{aslant} of {len(stands)}; if the frame was in the air then, it moved so slowly that "
             "it passed for still: one step may count as two or none, and the path is too short"
         )
-    return doubts
+    return found
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -108,16 +108,16 @@ def find_tilts(
         small = [small[0], f"{len(small) - 1} more movements stay that small: is this a walk?"]
     warnings += small
     if not any(usable):
-        said = f" ({'; '.join(warnings)})" if warnings else ""
+        reasons = f" ({'; '.join(warnings)})" if warnings else ""
         raise InputError(
             "no tilt found: expected rest on all four tips, then tilts of 20 to 45 deg with rest "
-            f"between them{said}"
+            f"between them{reasons}"
         )
-    names, said_of_order = _name_tilts(ways, usable, starts, up, order)
+    names, about_order = _name_tilts(ways, usable, starts, up, order)
     tilts = tuple(
         Tilt(name, *found) for name, found in zip(names, usable, strict=True) if found is not None
     )
-    return tilts, (*warnings, *said_of_order)
+    return tilts, (*warnings, *about_order)
 
 
 def _name_tilts(

@@ -227,6 +227,8 @@ def estimate_trajectory(
     )
     if isinstance(recording, Recording):
         return estimate(recording)
+    if not isinstance(recording, list | tuple):
+        raise InputError(f"recording = {recording!r:.60}: expected a Recording or a list of them")
     return run_all(estimate, [(each,) for each in recording], executor)
 
 

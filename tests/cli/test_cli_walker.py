@@ -30,6 +30,35 @@ def test_from_tilts_to_a_path(tmp_path, works, method):
     assert len(pd.read_csv(tmp_path / "steps.csv")) == 29
 
 
+def test_commands_write_what_the_library_finds(tmp_path, works):
+    """Mount, path and steps, byte for byte."""
+    from mobility_imu.cli.files import csv_bytes
+    from mobility_imu.readers import read_recording
+    from mobility_imu.walker import (
+        ClosedLoop,
+        WalkerGeometry,
+        WalkerMount,
+        calibrate_mount,
+        estimate_trajectory,
+        find_steps,
+    )
+
+    works(*calibrate())
+    geometry = WalkerGeometry.from_toml(CORRIDOR / "geometry.toml")
+    found = calibrate_mount(read_recording(CORRIDOR / "tilts.csv.gz"), geometry)
+    assert (tmp_path / "m.toml").read_text() == found.to_toml()
+    works(*trajectory(), "--steps", "steps.csv", "--closed-loop")
+    path = estimate_trajectory(
+        read_recording(CORRIDOR / "walk.csv.gz"),
+        geometry,
+        WalkerMount.from_toml(tmp_path / "m.toml"),
+        closed_loop=ClosedLoop(),
+    )
+    for name, table in (("path.csv", path), ("steps.csv", find_steps(path))):
+        written = tmp_path / name
+        assert written.read_bytes() == csv_bytes(table.to_frame(), written)
+
+
 def test_options(works, fails):
     works(*calibrate(), "--no-smooth", "--form", "printed")
     for options in (["--no-smooth"], ["--closed-loop"]):
@@ -81,5 +110,11 @@ def test_geometry_and_walks_that_do_not_serve(tmp_path, fails, saved):
     missing = ["--steps", "none/steps.csv"]
     fails(*trajectory(mount=TRUE_MOUNT), *missing, says=["no such folder"])
     walk = pd.read_csv(CORRIDOR / "walk.csv.gz")
+    spoilt = walk.copy()
+    spoilt.loc[120, "frame_acc_z_mps2"] = 1e30
+    fails(
+        *trajectory(walk=saved(spoilt), mount=TRUE_MOUNT),
+        says=["t.csv", "frame_acc_z is 1e+30 m/s²", "sample 120"],
+    )
     walk.loc[4000, "frame_gyr_z_radps"] = np.nan
     fails(*trajectory(walk=saved(walk), mount=TRUE_MOUNT), says=["frame_gyr_z", "nan"])

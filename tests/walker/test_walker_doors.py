@@ -219,6 +219,14 @@ def test_arguments_in_the_wrong_order_are_refused():
         estimate_trajectory(walked().recording, MOUNT, FRAME)
     with pytest.raises(InputError, match="mount = WalkerGeometry"):
         estimate_trajectory(walked().recording, FRAME, FRAME)
+    with pytest.raises(InputError, match="geometry = WalkerMount"):
+        calibrate_mount(tilt_recording(), MOUNT)
+    for wrong, message in (("walk.csv", "or a list of them"), ([None], "None: expected a Rec")):
+        with pytest.raises(InputError, match=message):
+            estimate_trajectory(wrong, FRAME, MOUNT)
+    for door in (navigate_recording, lambda name: calibrate_mount(name, FRAME)):
+        with pytest.raises(InputError, match="recording = 'tilts': expected a Recording"):
+            door("tilts")
     with pytest.raises(InputError, match="closed_loop needs the smoother"):
         estimate_trajectory(
             walked().recording, FRAME, MOUNT, smooth=False, closed_loop=ClosedLoop()

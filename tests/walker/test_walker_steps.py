@@ -180,6 +180,17 @@ def test_doubts_are_said():
     assert not find_steps(trajectory).warnings
 
 
+def test_a_move_of_twice_the_usual_length_may_be_two_steps():
+    """Two moves without the rest between them: 2.8 s, which is less than the limit of 3 s."""
+    trajectory = drawn([STEP] * 6)
+    still = trajectory.stationary.copy()
+    still[200:300] = False
+    steps = find_steps(replace(trajectory, stationary=still))
+    assert len(steps) == 5 and 2 < steps.swing_s.max() < 3
+    assert any("moves too long for one step: 1, up to 2.8 s" in said for said in steps.warnings)
+    assert not find_steps(trajectory).warnings
+
+
 def test_nobody_walks():
     standing = drawn([])
     steps = find_steps(standing)

@@ -3,6 +3,8 @@
 import functools
 from dataclasses import replace
 
+from scipy.spatial.transform import Rotation
+
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.simulation.sensor import MTI_1, without
@@ -48,3 +50,19 @@ def rebuilt(recording, *, time_s=None, acc=None, gyr=None):
 def changed(path, **values):
     """The path of an IMU with other values in some of its fields."""
     return path._replace(**values) if hasattr(path, "_replace") else replace(path, **values)
+
+
+def errors(calibration, pose):
+    mount = pose_mount(pose)
+    turn = calibration.mount.rotation_imu_to_body @ mount.rotation_imu_to_body.T
+    return (
+        calibration.mount.translation_body_m - mount.translation_body_m,
+        Rotation.from_matrix(turn).magnitude(),
+    )
+
+
+def cut_out(recording, keep):
+    imu = recording.sensors["frame"]
+    return Recording(
+        recording.time_s[keep], {"frame": Imu(imu.acc_mps2[keep], imu.gyr_radps[keep])}
+    )

@@ -1,0 +1,241 @@
+"""Walker: the path of the frame against simulated truth, equations 25 to 28."""
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+from walker_recordings import (
+    DATASHEET,
+    FRAME,
+    rebuilt,
+    walked,
+)
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.reproduction.walker.tables import POSES, pose_mount
+from mobility_imu.simulation.sensor import IDEAL, MTI_1
+from mobility_imu.simulation.walker import (
+    CORRIDOR,
+    REALISTIC,
+    RECTANGLE,
+    attach_imu,
+    simulate_walk,
+)
+from mobility_imu.walker import (
+    WalkerMount,
+    estimate_trajectory,
+)
+from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.navigation import (
+    ClosedLoop,
+    NavigationSettings,
+    NavigationState,
+    integrate_strapdown,
+)
+from mobility_imu.walker.trajectory import (
+    body_position,
+    trajectory_from_path,
+    walking_displacement,
+)
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=30, deadline=None)
+def test_eq25_body_position_undoes_the_lever_arm(seed):
+    rng = np.random.default_rng(seed)
+    mount = WalkerMount(Rotation.random(random_state=seed).as_matrix(), rng.normal(size=3) / 3)
+    body, attitude = rng.normal(size=(4, 3)), Rotation.random(4, random_state=seed + 1)
+    imu = body + attitude.apply(np.array(mount.translation_body_m))
+    q = (attitude * Rotation.from_matrix(mount.rotation_imu_to_body)).as_quat(scalar_first=True)
+    place, turn = body_position(imu, q, mount)
+    assert np.allclose(place, body) and np.allclose(turn, attitude.as_matrix())
+
+
+@given(st.integers(0, 10**6), st.floats(-3, 3))
+@settings(max_examples=30, deadline=None)
+def test_eq26_to_eq28_an_error_of_the_mount_counts_by_the_turn(seed, heading):
+    rng = np.random.default_rng(seed)
+    arm, error, ends = rng.normal(size=3), rng.normal(size=3), rng.normal(size=(2, 3))
+    one = np.eye(3)
+    other = Rotation.from_rotvec([0, 0, heading]).as_matrix()
+    body = [r - c @ arm for r, c in zip(ends, (one, other), strict=True)]
+    assert np.allclose(walking_displacement(*ends, one, other, arm), body[1] - body[0])
+    shift = walking_displacement(*ends, one, other, arm, error) - (body[1] - body[0])
+    assert np.allclose(shift, -(other - one) @ error)
+    assert np.isclose(np.linalg.norm(shift), 2 * abs(np.sin(heading / 2)) * np.hypot(*error[:2]))
+    straight = walking_displacement(*ends, one, one, arm, error)
+    assert np.allclose(straight, ends[1] - ends[0])
+
+
+def test_saturation_is_said_and_survived():
+    """Landings that hit the range: a warning, and a path that the next still phase catches."""
+    motion = simulate_walk(CORRIDOR, seed=2)
+    walk = attach_imu(motion, pose_mount("1"), DATASHEET, seed=1, unit_seed=1)
+    imu = walk.recording.sensors["frame"]
+    acc = imu.acc_mps2.copy()
+    for step in motion.steps[3:6]:
+        k = int(np.searchsorted(walk.recording.time_s, step.place_s - 0.05))
+        acc[k : k + 4, 0] = 156.9
+    recording = Recording(walk.recording.time_s, {"frame": Imu(acc, imu.gyr_radps)})
+    found = estimate_trajectory(recording, FRAME, pose_mount("1"))
+    assert any("saturated in 12 samples" in said for said in found.warnings)
+    end = found.position_m[-1] - walk.position_body_m[-1]
+    assert np.linalg.norm(end) < 0.1  # 7.9 m if the cut samples are believed
+    whole = estimate_trajectory(walk.recording, FRAME, pose_mount("1"))
+    assert found.horizontal_sd_m[-1] > whole.horizontal_sd_m[-1]
+
+
+def test_strapdown_alone_over_ten_metres_with_the_true_stillness():
+    """Noise-free: within 1e-4 m (issue)."""
+    walk = attach_imu(simulate_walk(CORRIDOR, seed=4), pose_mount("2"), IDEAL, seed=0, unit_seed=0)
+    imu = walk.recording.sensors["frame"]
+    q = Rotation.from_matrix(walk.rotation_imu_to_world[0]).as_quat(scalar_first=True)
+    start = NavigationState(q, *np.zeros((4, 3)))
+    path = integrate_strapdown(
+        walk.recording.time_s, imu.acc_mps2, imu.gyr_radps, start, still=walk.stationary
+    )
+    way = walk.position_imu_m - walk.position_imu_m[0]
+    assert np.abs(path.position_m - way)[walk.stationary].max() < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("sensor", "corridor_m", "rectangle_m"), [(DATASHEET, 0.02, 0.03), (MTI_1, 0.05, 0.10)]
+)
+def test_walks_are_as_good_as_asked(sensor, corridor_m, rectangle_m):
+    """Mean absolute error of the 10 m, mean closing error of the rectangle; 4 seeds x 5 poses.
+
+    The corridor-and-rectangle chapter holds the same limits over 20 seeds.
+    """
+    for course, limit in ((CORRIDOR, corridor_m), (RECTANGLE, rectangle_m)):
+        off = []
+        for seed in range(4):
+            motion = simulate_walk(course, seed=seed)
+            for pose in POSES:
+                unit = 10 * seed + int(pose)
+                walk = attach_imu(motion, pose_mount(pose), sensor, seed=unit, unit_seed=unit)
+                found = estimate_trajectory(walk.recording, FRAME, pose_mount(pose))
+                ends = [
+                    np.linalg.norm(p[-1] - p[0]) for p in (found.position_m, walk.position_body_m)
+                ]
+                off.append(abs(ends[0] - ends[1]))
+        assert np.mean(off) <= limit
+
+
+def test_trajectory_table_and_heading():
+    walk = attach_imu(simulate_walk(RECTANGLE, seed=1), pose_mount("4"), DATASHEET, seed=1, unit_seed=1)  # noqa: E501  # fmt: skip
+    found = estimate_trajectory(walk.recording, FRAME, pose_mount("4"))
+    table = found.to_frame()
+    assert list(table) == ["time_s", "x_m", "y_m", "z_m", "yaw_deg", "stationary"]
+    # Four corners to the left: once around.
+    assert np.isclose(found.yaw_rad[-1], 2 * np.pi, atol=np.deg2rad(1))
+    assert np.abs(found.position_m[found.stationary, 2]).max() < 0.01
+    assert not found.warnings
+
+
+@pytest.mark.parametrize("other", ["2", "3", "4", "5"])
+def test_another_frames_mount_is_refused(other):
+    """The mounts of Table 1 lean by 40 deg and more against each other."""
+    with pytest.raises(InputError, match="leans by"):
+        estimate_trajectory(walked().recording, FRAME, pose_mount(other))
+
+
+def test_a_mount_that_moved_a_little_is_said():
+    tilt = Rotation.from_rotvec([0, np.deg2rad(5), 0]).as_matrix()
+    mount = pose_mount("1")
+    moved = WalkerMount(tilt @ mount.rotation_imu_to_body, mount.translation_body_m)
+    found = estimate_trajectory(walked().recording, FRAME, moved)
+    assert any(re.search(r"leans by [45]\.\d deg", said) for said in found.warnings)
+
+
+def test_wrong_units_and_signs_are_said():
+    recording = walked().recording
+    imu = recording.sensors["frame"]
+    with pytest.raises(InputError, match="is time_s in ms"):
+        estimate_trajectory(
+            rebuilt(recording, time_s=1000 * recording.time_s), FRAME, pose_mount("1")
+        )
+    with pytest.raises(InputError, match="is the gyroscope in deg/s"):
+        degrees = np.rad2deg(imu.gyr_radps)
+        estimate_trajectory(rebuilt(recording, gyr=degrees), FRAME, pose_mount("1"))
+    # What is said of a wrong sign does not depend on how many samples share an update.
+    excess = []
+    for resting in (1, 4):
+        reversed_gyr = estimate_trajectory(
+            rebuilt(recording, gyr=-imu.gyr_radps),
+            FRAME,
+            pose_mount("1"),
+            settings=NavigationSettings(resting_stride=resting),
+        )
+        said = " ".join(reversed_gyr.warnings)
+        excess.append(float(re.search(r"rests are ([\d.]+) times.*signs reversed", said)[1]))
+    assert np.isclose(*excess, rtol=0.3), excess
+    with pytest.raises(InputError, match="reversed"):
+        estimate_trajectory(rebuilt(recording, acc=-imu.acc_mps2), FRAME, pose_mount("1"))
+    acc, gyr = imu.acc_mps2.copy(), imu.gyr_radps.copy()
+    acc[2000:2400], gyr[2000:2400] = acc[2000], gyr[2000]
+    frozen = estimate_trajectory(rebuilt(recording, acc=acc, gyr=gyr), FRAME, pose_mount("1"))
+    assert any("was the sensor frozen" in said for said in frozen.warnings)
+
+
+def test_the_mounts_errors_are_in_the_paths(tmp_path):
+    """A heading of the mount that is off by 1 deg turns 10 m by 17 cm; a file carries it."""
+    mount, walk = pose_mount("1"), walked()
+    stated = WalkerMount(
+        mount.rotation_imu_to_body, mount.translation_body_m, [0, 0, np.deg2rad(1)], [0, 0, 0]
+    )
+    plain, doubtful = (estimate_trajectory(walk.recording, FRAME, m) for m in (mount, stated))
+    extra = np.sqrt(doubtful.horizontal_sd_m[-1] ** 2 - plain.horizontal_sd_m[-1] ** 2)
+    assert np.isclose(extra, 10 * np.deg2rad(1), rtol=0.02)
+    text = (
+        f"[walker.mount]\nrotation_imu_to_body = {mount.rotation_imu_to_body.tolist()}\n"
+        "translation_body_m = [0.4, 0, 0.6]\nrotation_sd_rad = [0.1, 0.2, 0.3]\n"
+    )
+    (tmp_path / "m.toml").write_text(text)
+    read = WalkerMount.from_toml(tmp_path / "m.toml")
+    assert read.rotation_sd_rad.tolist() == [0.1, 0.2, 0.3] and read.translation_sd_m is None
+    with pytest.raises(InputError, match="not negative"):
+        WalkerMount(mount.rotation_imu_to_body, mount.translation_body_m, [-1, 0, 0])
+
+
+def test_a_mount_turned_back_to_front_is_noticed_on_the_first_walk():
+    walk = attach_imu(simulate_walk(CORRIDOR, seed=1), pose_mount("4"), DATASHEET, seed=1, unit_seed=1)  # noqa: E501  # fmt: skip
+    mount = pose_mount("4")
+    half = np.diag([-1.0, -1.0, 1.0])
+    wrong = WalkerMount(half @ mount.rotation_imu_to_body, mount.translation_body_m)
+    found = estimate_trajectory(walk.recording, FRAME, wrong)
+    assert any("went backward" in said for said in found.warnings)
+
+
+def test_closed_loop_moves_the_end_and_is_never_exact():
+    """The constraint pulls the end towards the start, by as much as its sd allows."""
+    motion = simulate_walk(RECTANGLE, seed=3, imperfections=REALISTIC)
+    walk = attach_imu(motion, pose_mount("1"), MTI_1, seed=31, unit_seed=31)
+    free, _ = navigate_recording(walk.recording)
+    tied, _ = navigate_recording(walk.recording, closed_loop=ClosedLoop())
+    loose, _ = navigate_recording(walk.recording, closed_loop=ClosedLoop(10.0, 10.0))
+    gap = [np.linalg.norm(path.position_m[-1, :2]) for path in (free, tied, loose)]
+    assert gap[1] < gap[0] and np.isclose(gap[2], gap[0], atol=1e-3)
+    assert (tied.sd[-1, 6:8] < free.sd[-1, 6:8]).all()
+    assert np.isclose(trajectory_from_path(tied, pose_mount("1")).horizontal_sd_m[0], 0, atol=1e-3)
+
+
+def test_resting_recording_goes_nowhere():
+    """A minute at rest: the frame stays where it is, to the millimetre."""
+    rng = np.random.default_rng(0)
+    mount = pose_mount("2")
+    rest = mount.rotation_imu_to_body.T @ [0, 0, STANDARD_GRAVITY_MPS2]
+    time = np.arange(6000) / 100
+    recording = Recording(
+        time,
+        {"frame": Imu(rest + 0.012 * rng.standard_normal((6000, 3)),
+                      0.0012 * rng.standard_normal((6000, 3)))},
+    )  # fmt: skip
+    found = estimate_trajectory(recording, FRAME, mount)
+    assert np.abs(found.position_m).max() < 2e-3 and found.stationary.all()
+    with pytest.raises(InputError, match="no sensor 'frame'"):
+        estimate_trajectory(Recording(time, {"lever": recording.sensors["frame"]}), FRAME, mount)
