@@ -26,7 +26,7 @@ from mobility_imu.simulation.walker import (
     measured_geometry,
     simulate_tilts,
 )
-from mobility_imu.walker.geometry import WalkerGeometry
+from mobility_imu.walker.geometry import FOOTPRINT, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 
 __all__ = [
@@ -38,10 +38,6 @@ __all__ = [
     "tilt_run",
     "unit_of",
 ]
-
-FOOTPRINT = WalkerGeometry(footprint_width_m=0.60, footprint_length_m=0.52)
-"""Footprint of the simulated frame. That is an assumption; the paper gives none, standard frames
-have it, and the positions of Table 1 fit into it."""
 
 DATASHEET = without(MTI_1, "scale_sd", "misalignment_sd_rad", "g_sensitivity_sd")
 """The walker's sensor with the errors of its data sheet alone: noise, bias, range, bandwidth."""

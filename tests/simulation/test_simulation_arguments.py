@@ -26,7 +26,7 @@ from mobility_imu.simulation.sensor import (
     measure,
 )
 from mobility_imu.simulation.wheelchair import Leg, Mounting, Pushing, SlipEpisode
-from mobility_imu.walker.geometry import WalkerMount
+from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
 
 CHAIR = WheelchairGeometry.from_degrees(

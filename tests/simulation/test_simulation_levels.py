@@ -19,7 +19,8 @@ from mobility_imu.simulation.levels import (
 )
 from mobility_imu.simulation.scooter import COURSES
 from mobility_imu.simulation.sensor import MTI_1
-from mobility_imu.walker.geometry import WalkerGeometry, WalkerMount
+from mobility_imu.walker.geometry import WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
 
 
