@@ -87,6 +87,50 @@ class TestSynchronise:
         with pytest.raises(InputError, match="no one offset"):
             synchronise(np.sort(rng.uniform(0, 100, 4)), np.sort(rng.uniform(0, 100, 4)))
 
+    def test_a_long_ride_needs_little_memory_and_time(self):
+        """Thirteen minutes: all pairs would be 16 million numbers of 8 bytes, several times."""
+        import tracemalloc
+
+        steps = 0.2 + 0.05 * np.sin(np.arange(4000) / 50)
+        ours = np.cumsum(steps + np.random.default_rng(0).normal(0, 0.002, 4000))
+        tracemalloc.start()
+        found = synchronise(ours, np.ceil((ours + 12.3) * 100) / 100)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert found.matched == 4000 and abs(found.offset_s - 12.305) < 1e-3
+        assert peak < 200e6
+
+    @given(
+        ours=st.lists(st.integers(0, 300), min_size=3, max_size=25),
+        theirs=st.lists(st.integers(0, 300), min_size=3, max_size=25),
+        tolerance=st.sampled_from([0.001, 0.02, 0.1]),
+    )
+    def test_same_answer_as_counting_all_pairs(self, ours, theirs, tolerance):
+        """Times on a grid of 10 ms, with ties and pulses seen twice."""
+        ours, theirs = np.sort(ours) / 100, np.sort(theirs) / 100
+        proposed = np.sort((theirs[:, None] - ours).ravel())
+        ends = np.searchsorted(proposed, proposed + tolerance, side="right")
+        votes = ends - np.arange(len(proposed))
+        best = int(np.argmax(votes))
+        offset = float(np.median(proposed[best : ends[best]]))
+        rival = votes[np.abs(proposed - offset) > 2 * tolerance].max(initial=0)
+        if votes[best] < 3 or rival >= votes[best]:
+            words = f"{votes[best]} of {len(ours)} pulses match at .*, {rival} at another"
+            with pytest.raises(InputError, match=words):
+                synchronise(ours, theirs, tolerance_s=tolerance)
+        else:
+            found = synchronise(ours, theirs, tolerance_s=tolerance)
+            assert found == (offset, votes[best])
+
+    @pytest.mark.parametrize("tolerance", [0, -1, np.nan, "0.02"])
+    def test_bad_tolerance(self, tolerance):
+        with pytest.raises(InputError, match="tolerance_s"):
+            synchronise([1.0, 2.0, 3.0], [1.0, 2.0, 3.0], tolerance_s=tolerance)
+
+    def test_times_in_another_unit_are_refused(self):
+        with pytest.raises(InputError, match="are the times in s"):
+            synchronise([1.0, 2.0, 1e12], [1.0, 2.0, 3.0])
+
     def test_too_few_pulses(self):
         with pytest.raises(InputError, match="expected at least 3"):
             synchronise([1.0, 2.0], [1.0, 2.0, 3.0])
