@@ -34,6 +34,17 @@ from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = [
+    "OBSERVABILITY_LIMIT",
+    "Form",
+    "ScooterAngles",
+    "angle_standard_deviations",
+    "estimate_angles",
+    "steering_angle",
+    "three_axis_angles",
+    "throttle_angle",
+]
+
 Form = Literal["corrected", "printed"]
 """All three axes at once, or eqs. 6 and 7 as the paper prints them."""
 
@@ -357,9 +368,9 @@ def angle_standard_deviations(
     noise = np.hypot(lever_sd, body_sd)
     with np.errstate(divide="ignore", invalid="ignore"):
         # det(HᵀH) = (length arm)²
-        share = noise / (length * np.abs(arm))
-        share = np.where(np.isnan(steering_rad), np.nan, share)
-        return share * np.hypot(along_shaft, arm), share * np.hypot(x, arm)
+        scale = noise / (length * np.abs(arm))
+        scale = np.where(np.isnan(steering_rad), np.nan, scale)
+        return scale * np.hypot(along_shaft, arm), scale * np.hypot(x, arm)
 
 
 def _vectors(lever_acc: ArrayLike, body_acc: ArrayLike) -> tuple[FloatArray, FloatArray]:

@@ -496,7 +496,7 @@ def _complement(
     """Integrated rates of the hinges, drawn to the slow angles with the time constant."""
     out = np.empty_like(slow)
     ca, sa = np.cos(alpha), np.sin(alpha)
-    share = dt / (time_constant + dt)
+    gain = dt / (time_constant + dt)
     s, t = start[0], start[1]
     for k in range(len(slow)):
         if k > 0:
@@ -505,7 +505,7 @@ def _complement(
             s += dt * rate_s
             t += dt * rate_t
         # Shortest way round: a blow may throw the slow angle across +-180 deg.
-        s += share * ((slow[k, 0] - s + np.pi) % (2 * np.pi) - np.pi)
-        t += share * ((slow[k, 1] - t + np.pi) % (2 * np.pi) - np.pi)
+        s += gain * ((slow[k, 0] - s + np.pi) % (2 * np.pi) - np.pi)
+        t += gain * ((slow[k, 1] - t + np.pi) % (2 * np.pi) - np.pi)
         out[k, 0], out[k, 1] = s, t
     return out

@@ -124,9 +124,10 @@ def test_specific_force_on_slopes_points_up_the_slope():
         (0.0, 0.1, ["steering_inclination_rad = 0", "vertical"]),
         (-0.3, 0.1, ["steering_inclination_rad = -0.3", "expected between"]),
         (1.56, 0.1, ["steering_inclination_rad = 1.56"]),
-        (float("nan"), 0.1, ["steering_inclination_rad", "finite"]),
-        (0.3, float("inf"), ["lever_inclination_rad", "finite"]),
+        (float("nan"), 0.1, ["steering_inclination_rad = nan: expected a number"]),
+        (0.3, float("inf"), ["lever_inclination_rad = inf: expected a number"]),
         (0.3, "much", ["lever_inclination_rad", "'much'"]),
+        (0.3, "0.1", ["lever_inclination_rad", "'0.1'"]),
         (0.3, -1.6, ["lever_inclination_rad = -1.6"]),
     ],
 )
