@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mobility_imu.frames import FloatArray
 from mobility_imu.plots.style import COLOURS, use_style
 from mobility_imu.scooter.geometry import ScooterGeometry
 
@@ -157,6 +158,16 @@ def _draw_side(ax: Axes, geometry: ScooterGeometry) -> None:
     lever_imu = top - 0.21 * across
     _line(ax, top - 0.1 * across, lever_imu, color="#A8A8A8", linewidth=2)
     _imu(ax, lever_imu, geometry.lever_inclination_rad, "T", 0.08)
+    _name_imus(ax, lever_imu, body_imu)
+    _arrow(ax, (1.42, 0.07), (1.72, 0.07), "#6E6E6E")
+    ax.text(1.57, 0.09, "forward", ha="center", color="#555555")
+    ax.set_title("Side view, from the right; x points to the reader")
+    ax.set_xlim(-0.15, 1.80)
+    ax.set_ylim(-0.05, 1.56)
+
+
+def _name_imus(ax: Axes, lever_imu: FloatArray, body_imu: FloatArray) -> None:
+    """Names of both IMUs in the side view, with lines to where they sit."""
     for text, place, target, frame in (
         ("lever IMU {T}", (0.33, 1.14), np.add(lever_imu, [-0.02, 0.02]), "T"),
         (
@@ -175,11 +186,6 @@ def _draw_side(ax: Axes, geometry: ScooterGeometry) -> None:
             color=FRAME_COLOURS[frame][1],
             arrowprops=arrow,
         )
-    _arrow(ax, (1.42, 0.07), (1.72, 0.07), "#6E6E6E")
-    ax.text(1.57, 0.09, "forward", ha="center", color="#555555")
-    ax.set_title("Side view, from the right; x points to the reader")
-    ax.set_xlim(-0.15, 1.80)
-    ax.set_ylim(-0.05, 1.56)
 
 
 def _draw_shaft_view(ax: Axes, steering_rad: float) -> None:

@@ -34,6 +34,17 @@ from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = [
+    "OBSERVABILITY_LIMIT",
+    "Form",
+    "ScooterAngles",
+    "angle_standard_deviations",
+    "estimate_angles",
+    "steering_angle",
+    "three_axis_angles",
+    "throttle_angle",
+]
+
 Form = Literal["corrected", "printed"]
 """All three axes at once, or eqs. 6 and 7 as the paper prints them."""
 
@@ -277,26 +288,27 @@ def estimate_angles(
     one_of("form", form, ("corrected", "printed"))
     level = (0.0, 0.0, STANDARD_GRAVITY_MPS2)
     lever, body = _vectors(lever_acc_mps2, level if body_acc_mps2 is None else body_acc_mps2)
-    check_gravity(lever, body, geometry)
+    with np.errstate(all="ignore"):  # what overflows has no angle
+        check_gravity(lever, body, geometry)
 
-    if form == "corrected":
-        steering, throttle = three_axis_angles(lever, body, geometry)
-        sideways = _scaled_sideways(lever, body)
-    else:
-        steering = steering_angle(lever, body, geometry)
-        throttle = throttle_angle(lever, body, steering, geometry)
-        sideways = lever[..., 0]
-    column = column_vector(body, geometry.steering_inclination_rad)
-    k2 = np.abs(steered(column, steering)[1])
-    shortest = OBSERVABILITY_LIMIT * np.linalg.norm(body, axis=-1)
-    valid = (
-        np.isfinite(steering)
-        & np.isfinite(throttle)
-        & (np.abs(sideways) <= np.hypot(column.x, column.c1))
-        & (k2 > shortest)
-    )
-    if form == "printed":
-        valid &= (column.c1 > 0) & (column.k1 > 0) & (lever[..., 2] > 0)
+        if form == "corrected":
+            steering, throttle = three_axis_angles(lever, body, geometry)
+            sideways = _scaled_sideways(lever, body)
+        else:
+            steering = steering_angle(lever, body, geometry)
+            throttle = throttle_angle(lever, body, steering, geometry)
+            sideways = lever[..., 0]
+        column = column_vector(body, geometry.steering_inclination_rad)
+        k2 = np.abs(steered(column, steering)[1])
+        shortest = OBSERVABILITY_LIMIT * np.linalg.norm(body, axis=-1)
+        valid = (
+            np.isfinite(steering)
+            & np.isfinite(throttle)
+            & (np.abs(sideways) <= np.hypot(column.x, column.c1))
+            & (k2 > shortest)
+        )
+        if form == "printed":
+            valid &= (column.c1 > 0) & (column.k1 > 0) & (lever[..., 2] > 0)
     return ScooterAngles(steering, throttle, valid, form)
 
 
@@ -356,9 +368,9 @@ def angle_standard_deviations(
     noise = np.hypot(lever_sd, body_sd)
     with np.errstate(divide="ignore", invalid="ignore"):
         # det(HᵀH) = (length arm)²
-        share = noise / (length * np.abs(arm))
-        share = np.where(np.isnan(steering_rad), np.nan, share)
-        return share * np.hypot(along_shaft, arm), share * np.hypot(x, arm)
+        scale = noise / (length * np.abs(arm))
+        scale = np.where(np.isnan(steering_rad), np.nan, scale)
+        return scale * np.hypot(along_shaft, arm), scale * np.hypot(x, arm)
 
 
 def _vectors(lever_acc: ArrayLike, body_acc: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -376,9 +388,9 @@ def _vectors(lever_acc: ArrayLike, body_acc: ArrayLike) -> tuple[FloatArray, Flo
 
 def _scaled_sideways(lever: FloatArray, body: FloatArray) -> FloatArray:
     """Lever's x component, as it would be with the lever's length equal to the body's."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        scale = np.linalg.norm(body, axis=-1) / np.linalg.norm(lever, axis=-1)
-        return np.asarray(lever[..., 0] * scale)
+    length = np.linalg.norm(lever, axis=-1)
+    length = np.where(np.isinf(length), np.nan, length)
+    return np.asarray(lever[..., 0] * (np.linalg.norm(body, axis=-1) / length))
 
 
 def check_gravity(lever: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> None:

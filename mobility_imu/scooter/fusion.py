@@ -49,7 +49,14 @@ LARGEST_ACC_MPS2 = 2000.0
 LARGEST_RATE_RADPS = 100.0
 """Largest component of a rate, rad/s: beyond what such sensors measure (4000 deg/s is 70)."""
 # Beyond these the squares in the filter's matrices lose all digits.
-_SETTING_LIMITS = (1e-8, 1e8)
+SETTING_LIMITS = {
+    "acc_sd_mps2": (1e-4, 1e8),
+    "rate_noise_radps_sqrthz": (1e-6, 10.0),
+    "bias_sd_radps": (1e-8, 10.0),
+    "bias_walk_radps": (1e-10, 10.0),
+    "huber": (1e-3, 1e8),
+}
+"""Smallest and largest value of each setting of the filter."""
 
 
 @dataclass(frozen=True)
@@ -83,8 +90,8 @@ class FusionSettings:
         names = [field.name for field in dataclasses.fields(self)]
         given = [name for name in names if name != "acc_sd_mps2" or self.acc_sd_mps2 is not None]
         check_positive(self, *given)
-        low, high = _SETTING_LIMITS
         for name in given:
+            low, high = SETTING_LIMITS[name]
             if not low <= getattr(self, name) <= high:
                 raise InputError(
                     f"FusionSettings.{name} = {getattr(self, name):g}: expected between {low:g} "
@@ -489,7 +496,7 @@ def _complement(
     """Integrated rates of the hinges, drawn to the slow angles with the time constant."""
     out = np.empty_like(slow)
     ca, sa = np.cos(alpha), np.sin(alpha)
-    share = dt / (time_constant + dt)
+    gain = dt / (time_constant + dt)
     s, t = start[0], start[1]
     for k in range(len(slow)):
         if k > 0:
@@ -498,7 +505,7 @@ def _complement(
             s += dt * rate_s
             t += dt * rate_t
         # Shortest way round: a blow may throw the slow angle across +-180 deg.
-        s += share * ((slow[k, 0] - s + np.pi) % (2 * np.pi) - np.pi)
-        t += share * ((slow[k, 1] - t + np.pi) % (2 * np.pi) - np.pi)
+        s += gain * ((slow[k, 0] - s + np.pi) % (2 * np.pi) - np.pi)
+        t += gain * ((slow[k, 1] - t + np.pi) % (2 * np.pi) - np.pi)
         out[k, 0], out[k, 1] = s, t
     return out

@@ -17,24 +17,26 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_vectors
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_number, as_vectors
 from mobility_imu.readers.geometry import read_section
 from mobility_imu.rotations import elementary_rotation
+
+__all__ = [
+    "SUZUKI_ET4D",
+    "ScooterGeometry",
+    "body_specific_force",
+    "lever_acceleration",
+    "rotation_lever_base_to_steering",
+    "rotation_lever_to_body",
+    "rotation_lever_to_lever_base",
+    "rotation_steering_column_to_body",
+    "rotation_steering_to_column",
+]
 
 # Along a vertical shaft gravity does not change with steering. At 2 deg a tilt of the lever IMU
 # of 1 deg already looks like 30 deg of steering.
 SMALLEST_STEERING_INCLINATION_RAD = float(np.deg2rad(2.0))
 LARGEST_STEERING_INCLINATION_RAD = float(np.deg2rad(88.0))
-
-
-def _number(name: str, value: object) -> float:
-    try:
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        number = np.nan
-    if isinstance(value, bool) or not np.isfinite(number):
-        raise InputError(f"{name} = {value!r}: expected a finite number")
-    return number
 
 
 @dataclass(frozen=True)
@@ -63,9 +65,9 @@ class ScooterGeometry:
     lever_inclination_rad: float
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be, or what gravity cannot see."""
+        """Check that both angles are possible, and that gravity can show the steering."""
         for name in ("steering_inclination_rad", "lever_inclination_rad"):
-            object.__setattr__(self, name, _number(name, getattr(self, name)))
+            object.__setattr__(self, name, as_number(getattr(self, name), name, negative=True))
         alpha = self.steering_inclination_rad
         low, high = SMALLEST_STEERING_INCLINATION_RAD, LARGEST_STEERING_INCLINATION_RAD
         if not low < alpha < high:
@@ -98,15 +100,24 @@ class ScooterGeometry:
     def from_degrees(
         cls, steering_inclination_deg: float, lever_inclination_deg: float
     ) -> ScooterGeometry:
-        """Make it from alpha and beta in degrees.
+        """Geometry from alpha and beta in degrees.
 
         Parameters
         ----------
         steering_inclination_deg : float, deg, alpha
         lever_inclination_deg : float, deg, beta
+
+        Returns
+        -------
+        ScooterGeometry
+
+        Raises
+        ------
+        InputError
+            If a value is impossible.
         """
-        alpha = _number("steering_inclination_deg", steering_inclination_deg)
-        beta = _number("lever_inclination_deg", lever_inclination_deg)
+        alpha = as_number(steering_inclination_deg, "steering_inclination_deg", negative=True)
+        beta = as_number(lever_inclination_deg, "lever_inclination_deg", negative=True)
         if not 2 < alpha < 88:
             hint = ""
             if 0 <= alpha <= 2:

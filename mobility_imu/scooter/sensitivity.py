@@ -35,6 +35,21 @@ from mobility_imu.scooter.geometry import (
     rotation_lever_to_body,
 )
 
+__all__ = [
+    "Sensitivities",
+    "by_body_acceleration",
+    "by_body_mounting",
+    "by_lever_acceleration",
+    "by_lever_inclination",
+    "by_lever_mounting",
+    "by_steering_inclination",
+    "mirror_angles",
+    "sensitivities",
+    "single_imu_range",
+    "steering_error_per_tilt",
+    "worst_error_per_tilt",
+]
+
 
 class Sensitivities(NamedTuple):
     """Derivatives of (steering, throttle), second to last axis, by small errors.
@@ -355,8 +370,8 @@ def single_imu_range(
     )
     ahead = np.arctan2(x, c1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.sin(geometry.steering_inclination_rad) / np.hypot(x, c1)
-        most = np.where(share < 1, np.arcsin(np.minimum(share, 1)), np.inf)
+        sine = np.sin(geometry.steering_inclination_rad) / np.hypot(x, c1)
+        most = np.where(sine < 1, np.arcsin(np.minimum(sine, 1)), np.inf)
     return -most - ahead, most - ahead
 
 

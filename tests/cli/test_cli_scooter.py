@@ -126,3 +126,52 @@ def test_poses_that_are_none(tmp_path, fails, pose):
     (tmp_path / "poses.csv").write_text(f"steering_deg,throttle_deg\n50,0\n{pose}\n0,0\n")
     parked = ["scooter", "calibrate", "ride.csv", "--geometry", "g.toml"]
     fails(*parked, "--poses", "poses.csv", "-o", "m.toml", says=["poses.csv"])
+
+
+def with_gyroscopes(folder, *, noise=1e-5, time_factor=1.0):
+    """The ride again, with gyroscopes that stay near zero."""
+    scooter_ride(folder)
+    ride = pd.read_csv(folder / "ride.csv")
+    rng = np.random.default_rng(2)
+    for name in ("lever", "body"):
+        for axis in "xyz":
+            ride[f"{name}_gyr_{axis}_radps"] = noise * rng.standard_normal(len(ride))
+    ride["time_s"] *= time_factor
+    ride.to_csv(folder / "ride.csv", index=False)
+    return ride
+
+
+def test_fusion_of_a_constant_recording(tmp_path, works):
+    """No traceback: angles of what the sensors repeat, each sample marked as not valid."""
+    ride = with_gyroscopes(tmp_path, noise=0.0)
+    ride.loc[:, ride.columns != "time_s"] = ride.iloc[0, 1:].to_numpy()
+    ride.to_csv(tmp_path / "ride.csv", index=False)
+    result = works(*angles(), "--method", "fusion")
+    assert "lever_acc is frozen in 200 samples" in result.stderr
+    table = pd.read_csv(tmp_path / "a.csv")
+    assert (table["valid"] == 0).all() and table["steering_deg"].notna().all()
+
+
+def test_fusion_of_rounded_readings(tmp_path, works):
+    ride = with_gyroscopes(tmp_path)
+    ride[[name for name in ride if "acc" in name]] = ride.filter(like="acc").round(1)
+    ride.to_csv(tmp_path / "ride.csv", index=False)
+    works(*angles(), "--method", "fusion")
+    assert pd.read_csv(tmp_path / "a.csv")["steering_sd_deg"].between(0.1, 20).all()
+
+
+@pytest.mark.parametrize(("factor", "rate"), [(1000, "0.1 Hz"), (20, "sampling_rate_hz = 5")])
+def test_fusion_with_times_that_are_too_far_apart(tmp_path, fails, factor, rate):
+    with_gyroscopes(tmp_path, time_factor=factor)
+    fails(*angles(), "--method", "fusion", says=["ride.csv", rate])
+
+
+def test_a_mount_that_is_a_mirror(tmp_path, fails):
+    scooter_ride(tmp_path)
+    with (tmp_path / "g.toml").open("a") as file:
+        file.write(
+            "[scooter.mount]\n"
+            "rotation_lever_imu_to_lever = [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n"
+            "rotation_body_imu_to_body = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+        )
+    fails(*angles(), says=["g.toml", "rotation_lever_imu_to_lever", "mirror"])

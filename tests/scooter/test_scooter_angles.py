@@ -124,9 +124,10 @@ def test_specific_force_on_slopes_points_up_the_slope():
         (0.0, 0.1, ["steering_inclination_rad = 0", "vertical"]),
         (-0.3, 0.1, ["steering_inclination_rad = -0.3", "expected between"]),
         (1.56, 0.1, ["steering_inclination_rad = 1.56"]),
-        (float("nan"), 0.1, ["steering_inclination_rad", "finite"]),
-        (0.3, float("inf"), ["lever_inclination_rad", "finite"]),
+        (float("nan"), 0.1, ["steering_inclination_rad = nan: expected a number"]),
+        (0.3, float("inf"), ["lever_inclination_rad = inf: expected a number"]),
         (0.3, "much", ["lever_inclination_rad", "'much'"]),
+        (0.3, "0.1", ["lever_inclination_rad", "'0.1'"]),
         (0.3, -1.6, ["lever_inclination_rad = -1.6"]),
     ],
 )
@@ -534,3 +535,40 @@ def test_subtraction_at_rest_is_right_on_level_ground_only():
         assert table.loc[row, "a"] == pytest.approx(single[row, "a", "single_mae"])
     # On a side slope it is exact with the wheel straight, so its mean error is far smaller.
     assert table.loc["left", "a"] < 0.3 * single["left", "a", "single_mae"]
+
+
+def test_a_reading_without_numbers_leaves_its_neighbours_alone():
+    """A throttle near the end of the circle is wrapped, whatever stands beside it."""
+    level = body_specific_force(0.0, 0.0)
+    lever = lever_acceleration(level, 0.2, np.deg2rad(175), SUZUKI_ET4D)
+    alone = three_axis_angles([lever], level, SUZUKI_ET4D)
+    beside = three_axis_angles([lever, [np.nan] * 3], level, SUZUKI_ET4D)
+    assert np.rad2deg(alone[1][0]) == pytest.approx(175)
+    assert beside[0][0] == alone[0][0] and beside[1][0] == alone[1][0]
+    assert np.isnan(beside[1][1])
+
+
+def test_readings_without_end_give_no_warning_and_are_not_valid():
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = estimate_angles([[0, 0, 9.8], [1e200, 0, 1e200], [0, 0, 9.8]], None, SUZUKI_ET4D)
+    assert found.valid.tolist() == [True, False, True]
+
+
+def test_empty_and_single_readings():
+    assert estimate_angles(np.zeros((0, 3)), None, SUZUKI_ET4D).to_frame().empty
+    one = estimate_angles([0, 1.534, 9.686], None, SUZUKI_ET4D)
+    assert one.steering_rad.shape == () and len(one.to_frame()) == 1
+    for bad in ([0, 0], [["a", 0, 0]], np.ma.masked_equal([[0, 0, 9.8]], 0)):
+        with pytest.raises(InputError, match="lever_acc_mps2"):
+            estimate_angles(bad, None, SUZUKI_ET4D)
+
+
+@pytest.mark.parametrize("name", ["lever_sd_mps2", "body_sd_mps2"])
+@pytest.mark.parametrize("value", [-1, np.nan, np.inf, "1", True])
+def test_noise_that_cannot_be(name, value):
+    sd = {"lever_sd_mps2": 0.1, "body_sd_mps2": 0.1, name: value}
+    with pytest.raises(InputError, match=name):
+        angle_standard_deviations([0, 0, 9.8], 0.0, 0.0, SUZUKI_ET4D, **sd)

@@ -6,8 +6,6 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from mobility_imu.errors import InputError
 from mobility_imu.filters import median_filter
@@ -26,70 +24,8 @@ from mobility_imu.scooter.geometry import (
     body_specific_force,
     lever_acceleration,
 )
-from mobility_imu.scooter.pulses import moving_samples, reference_angles, synchronise
 
 LEVEL = body_specific_force(0.0, 0.0)
-
-
-def pulses_of_a_ride(rng, count=60):
-    """Start, drive at constant speed, stop: intervals shrink, stay, and grow."""
-    ramp = np.array([0.6, 0.35, 0.26, 0.22])
-    steps = np.concatenate([ramp, np.full(count, 0.184), ramp[::-1]])
-    return 1.0 + np.cumsum(steps) + rng.uniform(0, 0.001, len(steps))
-
-
-class TestMotion:
-    def test_standstill_within_a_ride_is_cut_out(self):
-        pulses = np.concatenate([np.arange(2, 4, 0.2), np.arange(7, 9, 0.2)])
-        time_s = np.arange(0, 10, 0.01)
-        moving = moving_samples(time_s, pulses, longest_gap_s=1.0)
-        expected = ((time_s >= 2) & (time_s < 3.8)) | ((time_s >= 7) & (time_s < 8.8))
-        assert (moving != expected).sum() <= 4  # rounding of the pulses' own times
-
-    def test_no_pulse_no_motion(self):
-        assert not moving_samples(np.arange(10.0), [], longest_gap_s=1.0).any()
-        assert not moving_samples(np.arange(10.0), [3.0], longest_gap_s=1.0).any()
-
-    @pytest.mark.parametrize(
-        ("pulses", "gap", "words"),
-        [([2.0, 1.0], 1.0, "in order"), ([1.0, np.nan], 1.0, "finite"), ([1.0], 0.0, "positive")],
-    )
-    def test_bad_input(self, pulses, gap, words):
-        with pytest.raises(InputError, match=words):
-            moving_samples(np.arange(5.0), pulses, longest_gap_s=gap)
-
-
-class TestSynchronise:
-    @given(
-        offset=st.floats(-20, 20),
-        missing=st.sets(st.integers(0, 67), max_size=3),
-        seed=st.integers(0, 100),
-    )
-    def test_offset_found_with_missing_pulses(self, offset, missing, seed):
-        """Second logger samples at 100 Hz: up to 10 ms late, so the offset is within that."""
-        ours = pulses_of_a_ride(np.random.default_rng(seed))
-        theirs = np.delete(np.ceil((ours + offset) * 100) / 100, sorted(missing))
-        found = synchronise(ours, theirs)
-        assert -1e-3 <= found.offset_s - offset <= 0.011
-        assert found.matched >= len(ours) - len(missing) - 3
-
-    def test_pulse_seen_twice_does_no_harm(self):
-        ours = pulses_of_a_ride(np.random.default_rng(0))
-        theirs = np.sort(np.append(ours, ours[10] + 0.05)) + 3
-        assert np.isclose(synchronise(ours, theirs).offset_s, 3, atol=1e-9)
-
-    def test_pulses_all_alike_are_refused(self):
-        with pytest.raises(InputError, match="constant speed"):
-            synchronise(np.arange(20) * 0.2, np.arange(19) * 0.2 + 5)
-
-    def test_unrelated_pulses_are_refused(self):
-        rng = np.random.default_rng(1)
-        with pytest.raises(InputError, match="no one offset"):
-            synchronise(np.sort(rng.uniform(0, 100, 4)), np.sort(rng.uniform(0, 100, 4)))
-
-    def test_too_few_pulses(self):
-        with pytest.raises(InputError, match="expected at least 3"):
-            synchronise([1.0, 2.0], [1.0, 2.0, 3.0])
 
 
 class TestPrintedForms:
@@ -181,14 +117,6 @@ class TestPaperAngles:
             paper_angles(
                 lever, given_["body"], given_["moving"], SUZUKI_ET4D, method=given_["method"]
             )
-
-
-def test_reference_is_brought_to_our_clock():
-    time_s = np.arange(0, 5, 0.01)
-    theirs = np.arange(-1, 7, 0.02)
-    wires = np.column_stack([np.sin(theirs - 2.5), theirs])
-    out = reference_angles(time_s, theirs, wires, 2.5)
-    assert np.allclose(out[:400, 0], np.sin(time_s[:400]), atol=1e-4)
 
 
 class TestComplementary:

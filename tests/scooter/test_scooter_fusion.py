@@ -1,26 +1,29 @@
 """Gyro fusion and self-calibration: against simulated truth, and their standard deviations."""
 
+from dataclasses import fields, replace
+
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
+from hypothesis import given
+from hypothesis import strategies as st
 
 from mobility_imu.errors import InputError
 from mobility_imu.quality import frozen_samples, saturated_samples
 from mobility_imu.scooter import SUZUKI_ET4D, estimate_angles
 from mobility_imu.scooter.angles import angle_standard_deviations
 from mobility_imu.scooter.calibration import (
-    ParkedPose,
-    find_stills,
     mount_from_poses,
     parked_poses,
 )
 from mobility_imu.scooter.fusion import (
+    SETTING_LIMITS,
     FusionSettings,
     acceleration_noise,
+    complementary_angles,
     fuse_angles,
     move_specific_force,
 )
-from mobility_imu.scooter.mount import ScooterMount
+from mobility_imu.scooter.geometry import body_specific_force, lever_acceleration
 from mobility_imu.simulation.scooter import (
     COURSES,
     NO_SHAKING,
@@ -208,31 +211,6 @@ def calibrated():
     return found
 
 
-def test_calibration_finds_what_gravity_shows():
-    """Ideal sensors, exact stops, three attitudes: the mounting itself comes out."""
-    unit = draw_scooter(3)
-    poses = []
-    for k, (pitch, bank) in enumerate(((0, 0), (8, 0), (0, 8))):
-        parked = simulate_parked(
-            POSES,
-            pitch_rad=np.deg2rad(pitch),
-            bank_rad=np.deg2rad(bank),
-            seed=k,
-            unit=unit,
-            sensor=IDEAL,
-            stop_sd_rad=0.0,
-        )
-        poses += parked_poses(parked, POSES)
-    # Nothing but rounding is left, so the prior may be as weak as one likes.
-    found = mount_from_poses(poses, SUZUKI_ET4D, prior_sd_rad=1e3).mount
-    for matrix, tilt in (
-        (found.rotation_lever_imu_to_lever, unit.lever_mounting),
-        (found.rotation_body_imu_to_body, unit.body_mounting),
-    ):
-        apart = Rotation.from_matrix(matrix) * Rotation.from_rotvec(tilt).inv()
-        assert apart.magnitude() < 1e-6
-
-
 def test_calibration_and_smoother_cut_the_error_of_a_ride(calibrated):
     before, after = [], []
     for seed, (unit, mounting) in enumerate(calibrated):
@@ -244,41 +222,6 @@ def test_calibration_and_smoother_cut_the_error_of_a_ride(calibrated):
         for list_, angle in ((before, paper.steering_rad), (after, ours.steering_rad)):
             list_.append(np.percentile(np.abs(angle - ride.steering_rad)[moving], 90))
     assert np.median(after) < 0.5 * np.median(before)
-
-
-def test_level_ground_does_not_show_the_heading_of_the_body_imu():
-    parked = simulate_parked(POSES, pitch_rad=0.0, bank_rad=0.0, seed=1, unit=draw_scooter(1))
-    mounting = mount_from_poses(parked_poses(parked, POSES), SUZUKI_ET4D)
-    assert mounting.unseen == ("body IMU about z",)
-
-
-def test_stills_are_found_one_per_pose():
-    parked = simulate_parked(POSES, pitch_rad=0.0, bank_rad=0.0, seed=1)
-    stills = find_stills(parked)
-    assert len(stills) == len(POSES)
-    for k, still in enumerate(stills):
-        assert (
-            3.0 * k - 0.2 <= parked.time_s[still.start] < parked.time_s[still.stop] <= 3 * k + 2.3
-        )
-    with pytest.raises(InputError, match=r"6 still stretches .* expected 5"):
-        parked_poses(parked, POSES[:5])
-
-
-def test_too_few_poses():
-    pose = ParkedPose(np.array([0, 0, 9.8]), np.array([0, 0, 9.8]), 0.0, 0.0)
-    with pytest.raises(InputError, match="at least three poses"):
-        mount_from_poses([pose] * 4, SUZUKI_ET4D)
-
-
-def test_mounting_file(tmp_path):
-    path = tmp_path / "g.toml"
-    path.write_text("[scooter]\nsteering_inclination_deg = 20\n")
-    assert ScooterMount.in_toml(path) is None
-    with pytest.raises(InputError, match=r"no section \[scooter.mount\]"):
-        ScooterMount.from_toml(path)
-    path.write_text("[scooter.mount]\nrotation_lever_imu_to_lever = [[1, 0], [0, 1]]\n")
-    with pytest.raises(InputError, match="expected 3 x 3 numbers"):
-        ScooterMount.from_toml(path)
 
 
 def test_shapes_are_checked():
@@ -297,3 +240,173 @@ def test_frozen_and_saturated_sensors():
     cut = acc.copy()
     cut[100:105, 0] = 39.2
     assert np.nonzero(saturated_samples(cut))[0].tolist() == list(range(100, 105))
+
+
+def parked(samples=300, noise=0.02, seed=0):
+    """Readings of a scooter that stands still: accelerations and rates of lever and body."""
+    rng = np.random.default_rng(seed)
+    body = np.tile(body_specific_force(0.03, 0.02), (samples, 1))
+    lever = lever_acceleration(body, 0.4, 0.2, SUZUKI_ET4D)
+    shaken = [acc + noise * rng.standard_normal(acc.shape) for acc in (lever, body)]
+    rates = 0.005 * rng.standard_normal((2, samples, 3))
+    return [shaken[0], rates[0], shaken[1], rates[1]]
+
+
+def coarse(step):
+    return [*(np.round(values / step) * step if k % 2 == 0 else values for k, values in TO_ROUND)]
+
+
+TO_ROUND = list(enumerate(parked(noise=0.002)))
+
+
+@pytest.mark.parametrize(
+    "readings",
+    [
+        coarse(0.004 * 9.80665),
+        coarse(0.5),
+        parked(noise=0.0),
+        [np.tile(values[:1], (300, 1)) for values in parked()],
+        [np.zeros_like(v) if k % 2 else np.tile(v[:1], (300, 1)) for k, v in TO_ROUND],
+        [values[:1] for values in parked()],
+    ],
+    ids=["12 bit", "coarse", "without noise", "frozen", "still", "one sample"],
+)
+@pytest.mark.parametrize("smooth", [False, True])
+def test_readings_that_repeat_have_angles(readings, smooth):
+    """Rounded, frozen or noise-free: the angles are those of the readings, and finite."""
+    found = fuse_angles(*readings, 100.0, SUZUKI_ET4D, smooth=smooth)
+    assert np.isfinite(found.steering_rad).all() and np.isfinite(found.steering_sd_rad).all()
+    assert found.settings.acc_sd_mps2 >= 1e-3
+    closed = estimate_angles(readings[0], readings[2], SUZUKI_ET4D)
+    off = found.steering_rad[-1] - np.median(closed.steering_rad)
+    assert abs(off) < 0.02 + 3 * found.steering_sd_rad[-1]
+
+
+def test_noise_of_a_coarse_converter_is_one_step():
+    """More than half of the readings are alike, so their spread alone would be zero."""
+    body = np.tile([0.0, 2.0, 9.5], (100, 1))
+    body[::5, 0] += 0.5
+    assert acceleration_noise(np.tile([0.0, 2.0, 9.5], (100, 1)), body) == 0.5
+    for bad, words in (
+        (np.zeros((0, 3)), "no sample"),
+        ([[0, 0, np.nan]], "not a finite number"),
+        ([0, 0, 9.8], "shape"),
+    ):
+        with pytest.raises(InputError, match=words):
+            acceleration_noise(bad, bad)
+
+
+@pytest.mark.parametrize("function", [fuse_angles, complementary_angles])
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda r: [np.where(np.arange(300)[:, None] == 7, np.nan, r[0]), *r[1:]], "row 7"),
+        (lambda r: [*r[:3], np.full((300, 3), np.inf)], "body_gyr_radps"),
+        (lambda r: [r[0] / 9.80665, r[1], r[2] / 9.80665, r[3]], "in g"),
+        (lambda r: [-r[0], r[1], -r[2], r[3]], "sign is flipped"),
+        (lambda r: [r[0] * 1e30, *r[1:]], "lever_acc_mps2: reaches"),
+        (lambda r: [r[0], np.rad2deg(r[1]) + 400, *r[2:]], "lever_gyr_radps: reaches"),
+        (lambda r: [v[:0] for v in r], "one sample or more"),
+        (lambda r: [r[0][:, :2], *r[1:]], "three components"),
+        (lambda r: [r[0][0], *r[1:]], "expected shape"),
+        (lambda r: [r[0][:-1], *r[1:]], "expected all"),
+        (lambda r: [r[0].astype(complex), *r[1:]], "real numbers"),
+    ],
+)
+def test_readings_that_cannot_be(function, change, words):
+    with pytest.raises(InputError, match=words):
+        function(*change(parked()), 100.0, SUZUKI_ET4D)
+
+
+@pytest.mark.parametrize("function", [fuse_angles, complementary_angles])
+@pytest.mark.parametrize("rate", [0, -100, np.nan, np.inf, 0.1, 5, "100", None, True])
+def test_rates_that_cannot_be(function, rate):
+    with pytest.raises(InputError, match="sampling_rate_hz"):
+        function(*parked(), rate, SUZUKI_ET4D)
+
+
+@pytest.mark.parametrize("value", [0, 0.0, -1, np.nan, np.inf, 1e-300, 1e300, "1", True])
+@pytest.mark.parametrize("name", [field.name for field in fields(FusionSettings)])
+def test_settings_that_cannot_be(name, value):
+    with pytest.raises(InputError, match=f"FusionSettings.{name}"):
+        FusionSettings(**{name: value})
+
+
+@given(
+    logs=st.tuples(*(st.floats(*np.log10(limits)) for limits in SETTING_LIMITS.values())),
+    samples=st.integers(1, 40),
+    rate_hz=st.floats(10, 1e6),
+)
+def test_no_settings_break_the_filter(logs, samples, rate_hz):
+    """Numbers for any settings that are allowed, never LinAlgError."""
+    limits = SETTING_LIMITS.items()
+    settings = FusionSettings(
+        **{name: np.clip(10.0**log, *both) for log, (name, both) in zip(logs, limits, strict=True)}
+    )
+    found = fuse_angles(*(v[:samples] for v in parked()), rate_hz, SUZUKI_ET4D, settings)
+    assert np.isfinite(found.steering_rad).all()
+
+
+def test_inputs_of_any_float_and_read_only():
+    readings = parked()
+    expected = fuse_angles(*readings, 100.0, SUZUKI_ET4D)
+    for values in readings:
+        values.setflags(write=False)
+    assert np.array_equal(
+        fuse_angles(*readings, 100.0, SUZUKI_ET4D).steering_rad, expected.steering_rad
+    )
+    lists = [values.tolist() for values in readings]
+    assert np.array_equal(
+        fuse_angles(*lists, 100.0, SUZUKI_ET4D).steering_rad, expected.steering_rad
+    )
+    small = [np.asfortranarray(values, np.float32) for values in readings]
+    found = fuse_angles(*small, 100.0, SUZUKI_ET4D)
+    assert np.allclose(found.steering_rad, expected.steering_rad, atol=1e-4)
+
+
+def test_density_of_the_rates_does_not_depend_on_the_sampling_rate(noisy_rides):
+    """Every second sample of a ride, the same settings: the same sd of the filter within 20 %."""
+    ride = noisy_rides[0].recording
+    lever, body = ride.sensors["lever"], ride.sensors["body"]
+    readings = [lever.acc_mps2, lever.gyr_radps, body.acc_mps2, body.gyr_radps]
+    # Accelerations with twice the information per sample, so that both have the same per second.
+    whole = fuse_angles(*readings, 100.0, SUZUKI_ET4D, STATED)
+    halved = replace(STATED, acc_sd_mps2=STATED.acc_sd_mps2 / np.sqrt(2))
+    half = fuse_angles(*(values[::2] for values in readings), 50.0, SUZUKI_ET4D, halved)
+    for name in ("steering_sd_rad", "throttle_sd_rad"):
+        ratio = np.median(getattr(half, name)) / np.median(getattr(whole, name))
+        assert 0.8 < ratio < 1.25
+
+
+def test_valid_ends_where_the_steering_is_not_known():
+    """No gravity to lean on: the steering's sd grows beyond 20 degrees, and no sample is valid."""
+    unknown = FusionSettings(acc_sd_mps2=1e6)
+    found = fuse_angles(*parked(), 100.0, SUZUKI_ET4D, unknown)
+    assert (found.steering_sd_rad > np.deg2rad(19)).all()
+    assert np.array_equal(found.valid, found.steering_sd_rad < np.deg2rad(20))
+    assert not found.valid.all()
+    assert fuse_angles(*parked(), 100.0, SUZUKI_ET4D).valid.all()
+
+
+def test_a_blow_counts_less_than_its_size():
+    """One reading 30 sd off: with the robust weight it moves the angles a quarter as far."""
+    readings = parked()
+    blow = [values.copy() for values in readings]
+    blow[0][150, 0] += 30 * 0.2
+    moved = {}
+    for huber in (2.0, 1e6):
+        settings = FusionSettings(acc_sd_mps2=0.2, huber=huber)
+        pair = [fuse_angles(*each, 100.0, SUZUKI_ET4D, settings) for each in (readings, blow)]
+        moved[huber] = np.abs(pair[1].steering_rad - pair[0].steering_rad).max()
+    assert moved[2.0] < 0.25 * moved[1e6]
+
+
+def test_specific_force_needs_arrays_that_fit():
+    still = np.tile([0.0, 0.0, 9.8], (10, 1))
+    for arguments, words in (
+        ((still, still[:5], [0, 0, 1], 100.0), "gyr_radps"),
+        ((still, still, [0, 1], 100.0), "arm_m"),
+        ((still, still, [0, 0, 1], 0.0), "sampling_rate_hz"),
+    ):
+        with pytest.raises(InputError, match=words):
+            move_specific_force(*arguments)

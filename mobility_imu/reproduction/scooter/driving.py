@@ -69,7 +69,16 @@ Calibration = Callable[[ScooterUnit], Corrections]
 
 
 def known_mounting(unit: ScooterUnit) -> Corrections:
-    """True mounting of both IMUs, as a calibration without error would find it."""
+    """True mounting of both IMUs, as a calibration without error would find it.
+
+    Parameters
+    ----------
+    unit : ScooterUnit
+
+    Returns
+    -------
+    lever, body : (3, 3) arrays, rotations from the IMU's axes to {T} and {B}
+    """
     lever, body = (
         Rotation.from_rotvec(tilt).as_matrix() for tilt in (unit.lever_mounting, unit.body_mounting)
     )
@@ -333,7 +342,17 @@ def driving_study(
 
 
 def study_scooter(scooter: int, settings: StudySettings) -> _Part:
-    """Part of one scooter; see :func:`driving_study`."""
+    """Part of one scooter; see :func:`driving_study`.
+
+    Parameters
+    ----------
+    scooter : seed
+    settings : StudySettings
+
+    Returns
+    -------
+    rows, durations and error counts of this scooter
+    """
     unit = draw_scooter(scooter)
     if not settings.conditions.mounting:
         unit = replace(unit, lever_mounting=(0.0, 0.0, 0.0), body_mounting=(0.0, 0.0, 0.0))
@@ -388,7 +407,20 @@ def make_ride(
     *,
     unit: ScooterUnit | None = None,
 ) -> SimulatedRide:
-    """One run of the study. Scooter, course, driver and run make its seed, no two alike."""
+    """One run of the study. Scooter, course, driver and run make its seed, no two alike.
+
+    Parameters
+    ----------
+    scooter : seed
+    course : name in :data:`~mobility_imu.simulation.scooter.COURSES`
+    driver, run : numbers from 0 to 15
+    conditions : Conditions
+    unit : ScooterUnit; None draws that of the seed
+
+    Returns
+    -------
+    SimulatedRide
+    """
     place = list(COURSES).index(course)
     return simulate_ride(
         COURSES[course],
@@ -405,6 +437,10 @@ def make_ride(
 
 def motion_and_truth(ride: SimulatedRide) -> tuple[NDArray[np.bool_], dict[str, FloatArray]]:
     """Samples in motion by the pulses, with wire sensors and truth at these samples.
+
+    Parameters
+    ----------
+    ride : SimulatedRide
 
     Returns
     -------
@@ -427,7 +463,20 @@ def estimate_ride(
     corrections: Corrections | None = None,
     window: int = PAPER_MEDIAN_WINDOW,
 ) -> dict[str, FloatArray]:
-    """Run estimators on one ride: name to (k, 2) array, rad, of the k samples in motion."""
+    """Run estimators on one ride: name to (k, 2) array, rad, of the k samples in motion.
+
+    Parameters
+    ----------
+    ride : SimulatedRide
+    moving : (n,) bool array, see :func:`motion_and_truth`
+    estimators : names from :data:`ESTIMATORS`
+    corrections : rotations of both IMUs to {T} and {B}; None for none
+    window : samples of the paper's median
+
+    Returns
+    -------
+    dict of name to (k, 2) array, rad
+    """
     inputs = _inputs(ride, moving, corrections, window)
     return {name: ESTIMATORS[name](inputs) for name in estimators}
 
@@ -474,6 +523,12 @@ def statements(
 ) -> pd.DataFrame:
     """For which drawn scooters the paper's statements hold.
 
+    Parameters
+    ----------
+    study : DrivingStudy
+    mounting : name of the calibration
+    against : "wire" or "truth"
+
     Returns
     -------
     DataFrame of bools, one row per scooter, one column for each of :data:`STATEMENTS`
@@ -496,7 +551,18 @@ def statements(
 def summary(
     study: DrivingStudy, *, mounting: str = "as drawn", against: str = "wire"
 ) -> pd.DataFrame:
-    """Median, smallest and largest P90 over the scooters, by estimator, angle and course."""
+    """Median, smallest and largest P90 over the scooters, by estimator, angle and course.
+
+    Parameters
+    ----------
+    study : DrivingStudy
+    mounting : name of the calibration
+    against : "wire" or "truth"
+
+    Returns
+    -------
+    DataFrame with median, min and max, deg; index estimator, angle, course
+    """
     table = study.table
     rows = table[(table["mounting"] == mounting) & (table["against"] == against)]
     grouped = rows.groupby(["estimator", "angle", "course"], sort=False)["p90_deg"]
@@ -504,7 +570,16 @@ def summary(
 
 
 def show_summary(table: pd.DataFrame) -> pd.DataFrame:
-    """Summary for reading: courses side by side, "median (smallest-largest)"."""
+    """Summary for reading: courses side by side, "median (smallest-largest)".
+
+    Parameters
+    ----------
+    table : what :func:`summary` returns
+
+    Returns
+    -------
+    DataFrame of text; index estimator and angle, one column per course
+    """
     cells = [f"{row.median:.1f} ({row.min:.1f}-{row.max:.1f})" for row in table.itertuples()]
     flat = table.index.to_frame(index=False).assign(cell=cells)
     wide = flat.pivot_table(

@@ -27,6 +27,14 @@ from mobility_imu.results import Result
 from mobility_imu.scooter.angles import steering_angle, throttle_angle
 from mobility_imu.scooter.geometry import ScooterGeometry
 
+__all__ = [
+    "PAPER_MEDIAN_WINDOW",
+    "ClippedAngles",
+    "clipped_angles",
+    "paper_angles",
+    "subtract_body",
+]
+
 PAPER_MEDIAN_WINDOW = 25
 """Samples in the paper's window; MATLAB's "order" of a median is its width, 0.25 s at 100 Hz."""
 

@@ -91,7 +91,17 @@ class Modes(NamedTuple):
     is_noise: NDArray[np.bool_]
 
     def draw(self, count: int, random: np.random.RandomState) -> FloatArray:
-        """Draw from the mixture, (count, p), deg."""
+        """Draw from the mixture, (count, p), deg.
+
+        Parameters
+        ----------
+        count : how many
+        random : generator
+
+        Returns
+        -------
+        (count, p) array, deg
+        """
         which = random.choice(len(self.weight), size=count, p=self.weight)
         normal = random.standard_normal((count, len(self.is_noise)))
         there = self.centre_deg[which] + np.einsum("nij,nj->ni", self.factor_deg[which], normal)
@@ -99,7 +109,16 @@ class Modes(NamedTuple):
         return np.asarray(np.where(self.is_noise, signs * there, there))
 
     def log_density(self, values_deg: FloatArray) -> FloatArray:
-        """Logarithm of the mixture's density but for a constant, (n,), at (n, p) values."""
+        """Logarithm of the mixture's density but for a constant, (n,), at (n, p) values.
+
+        Parameters
+        ----------
+        values_deg : (n, p) array, deg
+
+        Returns
+        -------
+        (n,) array
+        """
         rest = ~self.is_noise
         size = np.diagonal(self.factor_deg, axis1=1, axis2=2)
         away = values_deg[:, None, rest] - self.centre_deg[:, rest]
@@ -133,7 +152,16 @@ class Draws(NamedTuple):
         return self.values_deg.reshape(-1, len(self.names))
 
     def thinned_deg(self, count: int) -> FloatArray:
-        """Draws far apart from one another, (count, p), deg, evenly over runs and steps."""
+        """Draws far apart from one another, (count, p), deg, evenly over runs and steps.
+
+        Parameters
+        ----------
+        count : how many
+
+        Returns
+        -------
+        (count, p) array, deg
+        """
         runs, steps, walkers, _ = self.values_deg.shape
         k = np.arange(count)
         rounds = max(1, -(-count // runs))
@@ -189,7 +217,17 @@ def anneal(cost: TableCost, sampling: Sampling, random: np.random.RandomState) -
 
 
 def log_prior(cost: TableCost, values_deg: FloatArray) -> FloatArray:
-    """Logarithm of the prior's density but for a constant, (n,), at (n, p) values."""
+    """Logarithm of the prior's density but for a constant, (n,), at (n, p) values.
+
+    Parameters
+    ----------
+    cost : TableCost
+    values_deg : (n, p) array, deg
+
+    Returns
+    -------
+    (n,) array
+    """
     return np.asarray(-0.5 * ((values_deg / cost.prior_sd_deg) ** 2).sum(axis=-1))
 
 
@@ -267,7 +305,18 @@ class Run(NamedTuple):
 
 
 def draw_run(cost: TableCost, sampling: Sampling, seed: Sequence[int]) -> Run:
-    """Draw one ensemble, its walkers started all over the prior."""
+    """Draw one ensemble, its walkers started all over the prior.
+
+    Parameters
+    ----------
+    cost : TableCost
+    sampling : Sampling
+    seed : whole numbers
+
+    Returns
+    -------
+    Run
+    """
     emcee = needs("emcee")
 
     random = np.random.RandomState(np.random.SeedSequence(list(seed)).generate_state(8))
@@ -297,7 +346,17 @@ def draw_run(cost: TableCost, sampling: Sampling, seed: Sequence[int]) -> Run:
 
 
 def join_runs(cost: TableCost, runs: Sequence[Run]) -> Draws:
-    """Put the runs of one posterior together."""
+    """Put the runs of one posterior together.
+
+    Parameters
+    ----------
+    cost : TableCost
+    runs : of one posterior
+
+    Returns
+    -------
+    Draws
+    """
     values = np.stack([run.values_deg for run in runs])
     return Draws(
         cost.names,
@@ -358,6 +417,14 @@ def diagnose(draws: Draws, *, thin: int = 10) -> Diagnosis:
 
 def split_rhat(chains: FloatArray) -> FloatArray:
     """Rank-normalised R-hat, (p,), of chains (chain, n, p) that are already split.
+
+    Parameters
+    ----------
+    chains : (chain, n, p) array
+
+    Returns
+    -------
+    (p,) array; 1 if all chains agree
 
     Examples
     --------

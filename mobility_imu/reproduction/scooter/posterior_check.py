@@ -52,7 +52,17 @@ class TableCheck(NamedTuple):
 
 
 def simulated_table(table: int) -> tuple[TableCost, FloatArray]:
-    """A table drawn from the model, as something to fit, and its true faults, (p,), deg."""
+    """A table drawn from the model, as something to fit, and its true faults, (p,), deg.
+
+    Parameters
+    ----------
+    table : number of the table, its seed
+
+    Returns
+    -------
+    cost : TableCost of the table
+    true : (p,) array, deg
+    """
     printed = published_table()
     model = TableCost(printed, NAMES)
     rng = np.random.default_rng([SEED, table])
@@ -64,7 +74,17 @@ def simulated_table(table: int) -> tuple[TableCost, FloatArray]:
 
 
 def check_table(table: int, sampling: Sampling = SHORTER) -> TableCheck:
-    """Draw the posterior of one simulated table and hold the true faults against it."""
+    """Draw the posterior of one simulated table and hold the true faults against it.
+
+    Parameters
+    ----------
+    table : number of the table
+    sampling : Sampling
+
+    Returns
+    -------
+    TableCheck
+    """
     cost, truth = simulated_table(table)
     draws = draw_posterior(cost, sampling, seed=[SEED, table, 1])
     found = diagnose(draws)
@@ -106,6 +126,15 @@ def uniformity(below: FloatArray, bins: int = 10) -> FloatArray:
 
 def all_even(p_values: FloatArray, level: float = 0.05) -> bool:
     """Whether none of several tests rejects, the level held for all together (Holm, Bonferroni).
+
+    Parameters
+    ----------
+    p_values : one per test
+    level : chance that even one of them rejects although all are even
+
+    Returns
+    -------
+    bool
 
     Examples
     --------

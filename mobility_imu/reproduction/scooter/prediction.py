@@ -144,7 +144,17 @@ def unit_of(faults_deg: ArrayLike, number: int) -> ScooterUnit:
 
 
 def reference_of(faults_deg: ArrayLike, reference: Reference) -> Reference:
-    """A reference whose plays are those that the reading noise asks for; see PLAY_PER_NOISE."""
+    """A reference whose plays are those that the reading noise asks for; see PLAY_PER_NOISE.
+
+    Parameters
+    ----------
+    faults_deg : (18,) array, deg, faults of a scooter
+    reference : Reference without them
+
+    Returns
+    -------
+    Reference
+    """
     fault = _by_name(faults_deg)
     steering, throttle = (float(np.deg2rad(PLAY_PER_NOISE * fault[name])) for name in NOISE)
     return replace(reference, steering_play_rad=steering, throttle_play_rad=throttle)
@@ -158,7 +168,16 @@ def _by_name(faults_deg: ArrayLike) -> dict[str, float]:
 
 
 def curves(radius_m: float) -> Course:
-    """Course "curves" with another radius, m: four quarter circles and what lies between."""
+    """Course "curves" with another radius, m: four quarter circles and what lies between.
+
+    Parameters
+    ----------
+    radius_m : m
+
+    Returns
+    -------
+    Course
+    """
     stretches = tuple(
         stretch
         if stretch.curvature_pm == 0
@@ -169,7 +188,17 @@ def curves(radius_m: float) -> Course:
 
 
 def course_of(name: str, variation: Variation) -> Course:
-    """A course as a variation lays it."""
+    """A course as a variation lays it.
+
+    Parameters
+    ----------
+    name : in :data:`~mobility_imu.simulation.scooter.COURSES`
+    variation : Variation
+
+    Returns
+    -------
+    Course
+    """
     if name == "curves":
         return curves(variation.curve_radius_m)
     if name == "side" and not variation.right_side_up:
@@ -269,7 +298,16 @@ def holds(p90_deg: FloatArray) -> FloatArray:
 
 
 def largest_dual(p90_deg: FloatArray) -> FloatArray:
-    """Largest 90 % error of two IMUs over the courses, (n, 2), deg: steering and throttle."""
+    """Largest 90 % error of two IMUs over the courses, (n, 2), deg: steering and throttle.
+
+    Parameters
+    ----------
+    p90_deg : (n, 20) array, deg, in the order of :data:`CELLS`
+
+    Returns
+    -------
+    (n, 2) array, deg
+    """
     by = np.asarray(p90_deg).reshape(-1, len(ANGLES), len(ESTIMATORS), len(COURSES))
     return np.asarray(by[:, :, 1].max(axis=2))
 
@@ -364,7 +402,17 @@ def posteriors() -> dict[str, list[Posterior]]:
 
 
 def draw_scooters(name: str, found: Sequence[Draws]) -> FloatArray:
-    """Scooters of one set, (n, 18), deg, rounded as they are recorded."""
+    """Scooters of one set, (n, 18), deg, rounded as they are recorded.
+
+    Parameters
+    ----------
+    name : of the set
+    found : Draws of its posteriors
+
+    Returns
+    -------
+    (n, 18) array, deg
+    """
     if name == "prior":
         rng = np.random.default_rng([SEED, 99])
         cost = TableCost(published_table(), NAMES)
@@ -484,5 +532,14 @@ def _lines(rows: ArrayLike, digits: int) -> list[str]:
 
 
 def read_lines(lines: Sequence[str]) -> FloatArray:
-    """Numbers of a recorded table, (n, m), from its lines."""
+    """Numbers of a recorded table, (n, m), from its lines.
+
+    Parameters
+    ----------
+    lines : one scooter each
+
+    Returns
+    -------
+    (n, m) array
+    """
     return np.array([line.split() for line in lines], float)

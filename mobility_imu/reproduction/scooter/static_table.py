@@ -53,7 +53,16 @@ class _Condition(NamedTuple):
     throttle_rad: ArrayLike
 
     def size_deg(self, steering_rad: ArrayLike, throttle_rad: ArrayLike) -> FloatArray:
-        """Absolute error of the control that the column is about, (n,) array, deg."""
+        """Absolute error of the control that the column is about, (n,) array, deg.
+
+        Parameters
+        ----------
+        steering_rad, throttle_rad : (n,) arrays, rad, as estimated
+
+        Returns
+        -------
+        (n,) array, deg
+        """
         if self.column in "ab":
             return np.abs(np.rad2deg(np.subtract(steering_rad, self.steering_rad)))
         return np.abs(np.rad2deg(np.subtract(throttle_rad, self.throttle_rad)))

@@ -78,7 +78,16 @@ class TableFit(Result):
     converged: bool = True
 
     def value_deg(self, name: str) -> float:
-        """Value of one parameter, zero if it was not free."""
+        """Value of one parameter, zero if it was not free.
+
+        Parameters
+        ----------
+        name : of a parameter
+
+        Returns
+        -------
+        float, deg
+        """
         return float(self.values_deg[self.names.index(name)]) if name in self.names else 0.0
 
     def parameters(self) -> pd.DataFrame:
@@ -180,7 +189,17 @@ def _guesses(
 
 
 def fit_from(cost: TableCost, guess_deg: FloatArray) -> TableFit:
-    """Go from one point, (p,), deg, to the nearest optimum; noise is given as its size."""
+    """Go from one point, (p,), deg, to the nearest optimum; noise is given as its size.
+
+    Parameters
+    ----------
+    cost : TableCost
+    guess_deg : (p,) array, deg
+
+    Returns
+    -------
+    TableFit
+    """
     from scipy import optimize
 
     solved = optimize.least_squares(
@@ -263,7 +282,16 @@ def _other_side(table_deg: FloatArray, fit: TableFit) -> TableFit:
 
 
 def quality(predicted_deg: FloatArray, table_deg: FloatArray) -> FitQuality:
-    """Compare the MAE of two tables, (5, 5, 4), deg."""
+    """Compare the MAE of two tables, (5, 5, 4), deg.
+
+    Parameters
+    ----------
+    predicted_deg, table_deg : (5, 5, 4) arrays, deg
+
+    Returns
+    -------
+    FitQuality
+    """
     gap = predicted_deg - table_deg
     single, dual = gap[..., 0], gap[..., 2]
     return FitQuality(

@@ -113,7 +113,17 @@ def places(names: Sequence[str]) -> NDArray[np.int64]:
 
 
 def pick(values: FloatArray, *names: str) -> FloatArray:
-    """Values of some parameters out of vectors of all of them, (..., 29) to (..., p)."""
+    """Values of some parameters out of vectors of all of them, (..., 29) to (..., p).
+
+    Parameters
+    ----------
+    values : (..., 29) array, in the order of :data:`PARAMETERS`
+    *names : of parameters
+
+    Returns
+    -------
+    (..., p) array
+    """
     return values[..., places(names)]
 
 
@@ -136,7 +146,17 @@ def table_checksum() -> dict[str, str]:
 
 
 def cell_sd(table_deg: FloatArray, floor_deg: float = FLOOR_DEG) -> FloatArray:
-    """What each cell of a table may differ by, (5, 5, 4), deg (standard deviation)."""
+    """What each cell of a table may differ by, (5, 5, 4), deg (standard deviation).
+
+    Parameters
+    ----------
+    table_deg : (5, 5, 4) array, deg
+    floor_deg : deg, smallest standard deviation
+
+    Returns
+    -------
+    (5, 5, 4) array, deg
+    """
     return np.maximum(floor_deg, table_deg * [SHARE_MAE, SHARE_SD, SHARE_MAE, SHARE_SD])
 
 
@@ -171,13 +191,31 @@ class TableCost:
         return np.isin(self.names, NOISE)
 
     def full(self, part_deg: FloatArray) -> FloatArray:
-        """Vectors of all parameters, (..., 29), from those of the free ones, (..., p)."""
+        """Vectors of all parameters, (..., 29), from those of the free ones, (..., p).
+
+        Parameters
+        ----------
+        part_deg : (..., p) array, deg, values of the free parameters
+
+        Returns
+        -------
+        (..., 29) array, deg
+        """
         values = np.zeros((*part_deg.shape[:-1], len(PARAMETERS)))
         values[..., places(self.names)] = part_deg
         return values
 
     def predict(self, part_deg: FloatArray) -> FloatArray:
-        """Expected tables, (..., 5, 5, 4), deg, for values of the free parameters, (..., p)."""
+        """Expected tables, (..., 5, 5, 4), deg, for values of the free parameters, (..., p).
+
+        Parameters
+        ----------
+        part_deg : (..., p) array, deg, values of the free parameters
+
+        Returns
+        -------
+        (..., 5, 5, 4) array, deg
+        """
         return predict_table(self.full(part_deg), left_row_ax_sign=self.left_row_ax_sign)
 
     def residuals(self, part_deg: FloatArray) -> FloatArray:
@@ -197,11 +235,29 @@ class TableCost:
         return np.concatenate([misfit, part_deg / self.prior_sd_deg], axis=-1)
 
     def log_density(self, part_deg: FloatArray) -> FloatArray:
-        """Logarithm of the posterior density but for a constant: minus half the cost, (...)."""
+        """Logarithm of the posterior density but for a constant: minus half the cost, (...).
+
+        Parameters
+        ----------
+        part_deg : (..., p) array, deg, values of the free parameters
+
+        Returns
+        -------
+        (...) array
+        """
         return np.asarray(-0.5 * (self.residuals(part_deg) ** 2).sum(axis=-1))
 
     def derivative(self, part_deg: FloatArray) -> FloatArray:
-        """Derivative of the residuals, (cells + p, p), at one point (p,), by differences."""
+        """Derivative of the residuals, (cells + p, p), at one point (p,), by differences.
+
+        Parameters
+        ----------
+        part_deg : (p,) array, deg, values of the free parameters
+
+        Returns
+        -------
+        (cells + p, p) array, 1/deg
+        """
         step = 1e-3 * np.eye(len(part_deg))
         both = self.residuals(np.concatenate([part_deg + step, part_deg - step]))
         return (both[: len(part_deg)] - both[len(part_deg) :]).T / 2e-3

@@ -1,0 +1,82 @@
+"""Scooter, calibration: what parked poses show of the mounts, and what they cannot."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.errors import InputError
+from mobility_imu.scooter import SUZUKI_ET4D
+from mobility_imu.scooter.calibration import (
+    ParkedPose,
+    find_stills,
+    mount_from_poses,
+    parked_poses,
+)
+from mobility_imu.scooter.mount import ScooterMount
+from mobility_imu.simulation.scooter import (
+    draw_scooter,
+    simulate_parked,
+)
+from mobility_imu.simulation.sensor import IDEAL
+
+POSES = [tuple(np.deg2rad(p)) for p in ((50, 0), (50, 40), (0, 40), (0, 0), (-50, 0), (-50, 40))]
+
+
+def test_calibration_finds_what_gravity_shows():
+    """Ideal sensors, exact stops, three attitudes: the mounting itself comes out."""
+    unit = draw_scooter(3)
+    poses = []
+    for k, (pitch, bank) in enumerate(((0, 0), (8, 0), (0, 8))):
+        parked = simulate_parked(
+            POSES,
+            pitch_rad=np.deg2rad(pitch),
+            bank_rad=np.deg2rad(bank),
+            seed=k,
+            unit=unit,
+            sensor=IDEAL,
+            stop_sd_rad=0.0,
+        )
+        poses += parked_poses(parked, POSES)
+    # Nothing but rounding is left, so the prior may be as weak as one likes.
+    found = mount_from_poses(poses, SUZUKI_ET4D, prior_sd_rad=1e3).mount
+    for matrix, tilt in (
+        (found.rotation_lever_imu_to_lever, unit.lever_mounting),
+        (found.rotation_body_imu_to_body, unit.body_mounting),
+    ):
+        apart = Rotation.from_matrix(matrix) * Rotation.from_rotvec(tilt).inv()
+        assert apart.magnitude() < 1e-6
+
+
+def test_level_ground_does_not_show_the_heading_of_the_body_imu():
+    parked = simulate_parked(POSES, pitch_rad=0.0, bank_rad=0.0, seed=1, unit=draw_scooter(1))
+    mounting = mount_from_poses(parked_poses(parked, POSES), SUZUKI_ET4D)
+    assert mounting.unseen == ("body IMU about z",)
+
+
+def test_stills_are_found_one_per_pose():
+    parked = simulate_parked(POSES, pitch_rad=0.0, bank_rad=0.0, seed=1)
+    stills = find_stills(parked)
+    assert len(stills) == len(POSES)
+    for k, still in enumerate(stills):
+        assert (
+            3.0 * k - 0.2 <= parked.time_s[still.start] < parked.time_s[still.stop] <= 3 * k + 2.3
+        )
+    with pytest.raises(InputError, match=r"6 still stretches .* expected 5"):
+        parked_poses(parked, POSES[:5])
+
+
+def test_too_few_poses():
+    pose = ParkedPose(np.array([0, 0, 9.8]), np.array([0, 0, 9.8]), 0.0, 0.0)
+    with pytest.raises(InputError, match="at least three poses"):
+        mount_from_poses([pose] * 4, SUZUKI_ET4D)
+
+
+def test_mounting_file(tmp_path):
+    path = tmp_path / "g.toml"
+    path.write_text("[scooter]\nsteering_inclination_deg = 20\n")
+    assert ScooterMount.in_toml(path) is None
+    with pytest.raises(InputError, match=r"no section \[scooter.mount\]"):
+        ScooterMount.from_toml(path)
+    path.write_text("[scooter.mount]\nrotation_lever_imu_to_lever = [[1, 0], [0, 1]]\n")
+    with pytest.raises(InputError, match="expected 3 x 3 numbers"):
+        ScooterMount.from_toml(path)
