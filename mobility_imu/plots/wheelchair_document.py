@@ -81,8 +81,8 @@ def draw_document_frames(geometry: WheelchairGeometry | None = None) -> Figure:
 
     Parameters
     ----------
-    geometry : WheelchairGeometry to draw to scale; the chair of WheelMove-ID's sample, with equal wheels, if
-        None
+    geometry : WheelchairGeometry to draw to scale; if None the chair of WheelMove-ID's sample, with
+        equal wheels
 
     Returns
     -------
