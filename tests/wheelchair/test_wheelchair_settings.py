@@ -106,7 +106,10 @@ def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
         ('{"seuilVitLinAbs": true}', "seuilVitLinAbs = True, expected a number"),
         ('{"seuilVitLinAbs": 1' + 310 * "0" + "}", "expected a number"),
         ('{"seuilVitLinAbs": 1' + 5000 * "0" + "}", "too many digits"),
-        ('{"segment_s": 0.2, "inptSegmentsec": 0.3}', "segment_s a second time"),
+        (
+            '{"segment_s": 0.2, "inptSegmentsec": 0.3}',
+            "inptSegmentsec = 0.3, but segment_s = 0.2 as well",
+        ),
         (9000 * '{"a":', "nested too deeply"),
     ],
 )
