@@ -178,7 +178,7 @@ def read_settings(path: str | Path) -> SettingsFile:
     values: dict[str, float] = {}
     for key, value in numbers.items():
         name = _TOOL_KEYS.get(key, key)
-        if values.get(name, value) != value:
+        if name in values and values[name] != value:
             raise InputError(f"{path}: {key} = {value:g}, but {name} = {values[name]:g} as well")
         values[name] = value
     try:

@@ -110,6 +110,7 @@ def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
             '{"segment_s": 0.2, "inptSegmentsec": 0.3}',
             "inptSegmentsec = 0.3, but segment_s = 0.2 as well",
         ),
+        ('{"seuilVitLinAbs": NaN}', "linear_velocity_mps = nan"),
         (9000 * '{"a":', "nested too deeply"),
     ],
 )
