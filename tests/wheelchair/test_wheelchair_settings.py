@@ -97,8 +97,8 @@ def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('{"freqAcq": 0}', "freqAcq: sampling rate of 0 Hz"),
-        ('{"freqAcq": null}', "freqAcq: sampling rate of 0 Hz"),
+        ('{"freqAcq": 0}', "freqAcq: sampling rate of 0"),
+        ('{"freqAcq": null}', "freqAcq: sampling rate of 0"),
         ('{"freqAcq": NaN}', "freqAcq: sampling rate of nan Hz"),
         ('{"freqAcq": 1e9}', "freqAcq: sampling rate"),
         ('{"freqAcq": "100"}', "freqAcq = '100', expected a number"),
