@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from mobility_imu.frames import FloatArray, as_clock, as_series
+from mobility_imu.plots.drawing import BODY, arc, arrow, box, dimension, label, line
 from mobility_imu.plots.style import COLOURS, HATCHES, use_style
 from mobility_imu.runs import changes_of
 from mobility_imu.wheelchair.codes import Codes, Task, as_codes
@@ -35,9 +36,11 @@ TASK_HATCHES = dict(zip(Task, HATCHES, strict=True))
 # More points than this are drawn as the smallest and largest of each of that many intervals.
 LONGEST_LINE = 8000
 SIDE_COLOURS = {"left": "#A34700", "right": "#00537F"}
-BODY: dict[str, Any] = {"facecolor": "#EFEFEF", "edgecolor": "#9A9A9A", "linewidth": 1.2}
-PAPER: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.85}
 YAW = "#006B4E"
+SENSOR = (0.07, 0.04)
+"""Size of a sensor as it is drawn, m."""
+TURN_RAD = (np.deg2rad(200), np.deg2rad(500))
+"""Where the round arrow about the vertical starts and stops, seen from behind."""
 
 
 def chronogram(
@@ -222,22 +225,24 @@ def _draw_rear(ax: Axes, geometry: WheelchairGeometry) -> None:
     ax.plot(
         *np.transpose(list(centres.values())), color="#9A9A9A", linewidth=4, linestyle="-", zorder=1
     )
-    _box(ax, (0.0, 0.385), 0.0, "black")
-    _label(ax, (0.0, 0.475), "frame IMU", size=9)
+    box(ax, (0.0, 0.385), SENSOR)
+    label(ax, (0.0, 0.475), "frame IMU", fontsize=9)
 
     height = float(np.mean([centre[1] for centre in centres.values()]))
-    _dimension(
+    _distance(
         ax, centres["left"][0], centres["right"][0], 0.07, height, "$d_c$  between the centres"
     )
-    _dimension(ax, -half, half, -0.10, 0.0, "$d_p$  track, between the contacts")
+    _distance(ax, -half, half, -0.10, 0.0, "$d_p$  track, between the contacts")
 
     origin = np.array([0.0, 0.83])
-    _arrow(ax, origin, (0.0, 0.24), "black", "$z$", (0.04, 0.0))
-    _arrow(ax, origin, (-0.24, 0.0), "black", "$y$", (0.0, 0.05))
+    _axis(ax, origin, (0.0, 0.24), "black", "$z$", (0.04, 0.0))
+    _axis(ax, origin, (-0.24, 0.0), "black", "$y$", (0.0, 0.05))
     ax.plot(*origin, marker="o", markersize=9, mfc="white", mec="black")
     ax.plot(*origin, marker="x", markersize=6, color="black")
-    _label(ax, origin + np.array([0.05, -0.05]), "$x$ (forward)", ha="left")
-    _turn(ax, origin + np.array([0.0, 0.14]), (0.095, 0.03), "$\\dot\\theta$ > 0: to the left")
+    label(ax, origin + np.array([0.05, -0.05]), "$x$ (forward)", ha="left")
+    around = origin + np.array([0.0, 0.14])
+    arc(ax, around, (0.095, 0.03), *TURN_RAD, colour=YAW, arrowhead=True, linewidth=1.8, zorder=6)
+    label(ax, around + np.array([0.125, 0.0]), "$\\dot\\theta$ > 0: to the left", YAW, ha="left")
     ax.set_xlim(-half - 0.36, half + 0.36)
     ax.set_ylim(-0.22, 1.13)
 
@@ -259,7 +264,7 @@ def _draw_rear_wheel(ax: Axes, geometry: WheelchairGeometry, side: Side) -> Floa
     ax.add_patch(Polygon(outline, facecolor="#D9D9D9", edgecolor="#8A8A8A", zorder=2))
     ax.plot(*np.transpose([contact, centre]), color=colour, linewidth=2, linestyle="-", zorder=3)
     name = side[0].upper()
-    _label(
+    label(
         ax,
         (contact + centre) / 2 - 0.045 * sign * axle,
         f"$r_{name}$",
@@ -275,13 +280,17 @@ def _draw_rear_wheel(ax: Axes, geometry: WheelchairGeometry, side: Side) -> Floa
     size = 3.5 * radius
     ax.add_patch(Arc(contact, size, size, theta1=start, theta2=start + degrees, color="#333333"))
     half = np.pi / 2 - sign * geometry.camber_rad / 2
-    _label(ax, contact + 1.90 * radius * np.array([np.cos(half), np.sin(half)]), r"$\alpha$")
+    label(ax, contact + 1.90 * radius * np.array([np.cos(half), np.sin(half)]), r"$\alpha$")
     # The sensor sits on the wheel, the axle comes out of its centre.
-    _box(ax, centre + 0.10 * along, float(np.rad2deg(np.arctan2(*along[::-1]))), colour)
-    _arrow(ax, centre, 0.26 * axle, colour, "", None, width=2.2)
+    box(ax, centre + 0.10 * along, SENSOR, float(np.arctan2(*along[::-1])), edgecolor=colour)
+    arrow(ax, centre, centre + 0.26 * axle, colour, linewidth=2.2)
     end = centre + 0.26 * axle
-    _label(
-        ax, end + np.array([0.0, 0.055 if sign > 0 else -0.055]), f"axle, {side}", colour, size=9
+    label(
+        ax,
+        end + np.array([0.0, 0.055 if sign > 0 else -0.055]),
+        f"axle, {side}",
+        colour,
+        fontsize=9,
     )
     return centre
 
@@ -314,27 +323,28 @@ def _draw_top(ax: Axes, geometry: WheelchairGeometry) -> None:
         ax.plot(-centre[1], 0, marker="o", color=colour, zorder=4)
         contact = -side_sign(side) * geometry.track_m / 2
         ax.plot(contact, 0, marker="^", color=colour, markersize=7, zorder=4)
-        _label(ax, (-centre[1], -radius - 0.05), f"{side} wheel", colour, size=9)
-    _box(ax, (0.0, 0.16), 90.0, "black")
-    _label(ax, (0.04, 0.20), "frame IMU", ha="left", size=9)
+        label(ax, (-centre[1], -radius - 0.05), f"{side} wheel", colour, fontsize=9)
+    box(ax, (0.0, 0.16), SENSOR, np.pi / 2)
+    label(ax, (0.04, 0.20), "frame IMU", ha="left", fontsize=9)
 
     # The centre of rotation lies on the line through the wheels.
     turn = -0.86
     ax.plot([turn, 0], [0, 0], color="#555555", linewidth=1.2, linestyle=(0, (4, 3)), zorder=3)
     ax.plot(turn, 0, marker="P", color=YAW, markersize=8)
-    _label(ax, (turn, -0.06), "centre of\nthe turn", YAW, va="top", size=9)
-    _label(ax, (turn * 0.78, 0.06), r"$R = |V_x / \dot\theta|$", YAW)
+    label(ax, (turn, -0.06), "centre of\nthe turn", YAW, va="top", fontsize=9)
+    label(ax, (turn * 0.78, 0.06), r"$R = |V_x / \dot\theta|$", YAW)
     angles = np.linspace(-0.30, 0.70, 60)
     path = np.column_stack([turn - turn * np.cos(angles), -turn * np.sin(angles)])
     ax.plot(*path.T, color=YAW, linewidth=1.4, linestyle=":", zorder=3)
 
-    _arrow(ax, (0, 0), (0, 0.74), "black", "$x$, $V_x$", (0.10, 0.0), width=2.2)
-    _arrow(ax, (0, 0), (-0.30, 0), "black", "$y$", (0.0, 0.05))
+    _axis(ax, (0, 0), (0, 0.74), "black", "$x$, $V_x$", (0.10, 0.0), width=2.2)
+    _axis(ax, (0, 0), (-0.30, 0), "black", "$y$", (0.0, 0.05))
     ax.plot(0, 0, marker="o", markersize=9, mfc="white", mec="black", zorder=6)
     ax.plot(0, 0, marker="o", markersize=3, color="black", zorder=7)
-    _label(ax, (0.04, -0.05), "$z$", ha="left")
-    _turn(ax, (0.0, 0.0), (0.15, 0.15), None, start=-60, stop=60)
-    _label(ax, (0.20, 0.08), r"$\dot\theta$", YAW, ha="left")
+    label(ax, (0.04, -0.05), "$z$", ha="left")
+    sixty = np.pi / 3
+    arc(ax, (0, 0), 0.15, -sixty, sixty, colour=YAW, arrowhead=True, linewidth=1.8, zorder=6)
+    label(ax, (0.20, 0.08), r"$\dot\theta$", YAW, ha="left")
     ax.set_xlim(-1.03, 0.56)
     ax.set_ylim(-0.46, 0.86)
 
@@ -344,104 +354,23 @@ def _rear(vector: FloatArray) -> FloatArray:
     return np.array([-vector[1], vector[2]])
 
 
-def _arrow(
+def _axis(
     ax: Axes,
     start: ArrayLike,
     vector: ArrayLike,
     colour: str,
     text: str,
-    shift: tuple[float, float] | None,
+    shift: tuple[float, float],
     width: float = 1.8,
 ) -> None:
-    foot, along = np.asarray(start, float), np.asarray(vector, float)
-    ax.annotate(
-        "",
-        xy=foot + along,
-        xytext=foot,
-        arrowprops={
-            "arrowstyle": "-|>,head_length=0.5,head_width=0.22",
-            "color": colour,
-            "linewidth": width,
-            "shrinkA": 0,
-            "shrinkB": 0,
-        },
-        zorder=5,
-    )
-    if shift is not None:
-        _label(ax, foot + along + shift, text, colour)
+    """Draw an arrow along a vector, with its name beside the tip."""
+    tip = np.add(start, vector)
+    arrow(ax, start, tip, colour, linewidth=width)
+    label(ax, tip + shift, text, colour)
 
 
-def _turn(
-    ax: Axes,
-    centre: ArrayLike,
-    size: tuple[float, float],
-    text: str | None,
-    start: float = 200,
-    stop: float = 500,
-) -> None:
-    """Draw a round arrow, counter-clockwise seen from above."""
-    middle = np.asarray(centre, float)
-    angles = np.deg2rad(np.linspace(start, stop, 60))
-    curve = middle + np.column_stack([size[0] * np.cos(angles), size[1] * np.sin(angles)])
-    ax.plot(*curve.T, color=YAW, linewidth=1.8, linestyle="-", zorder=6)
-    ax.annotate(
-        "",
-        xy=curve[-1],
-        xytext=curve[-4],
-        arrowprops={
-            "arrowstyle": "-|>,head_length=0.5,head_width=0.22",
-            "color": YAW,
-            "shrinkA": 0,
-            "shrinkB": 0,
-        },
-        zorder=6,
-    )
-    if text is not None:
-        _label(ax, middle + np.array([size[0] + 0.03, 0.0]), text, YAW, ha="left")
-
-
-def _dimension(ax: Axes, left: float, right: float, y: float, foot: float, text: str) -> None:
+def _distance(ax: Axes, left: float, right: float, y: float, foot: float, text: str) -> None:
     """Draw a length between two places, with thin lines up to what it measures."""
     for x in (left, right):
-        ax.plot([x, x], [y, foot], color="#777777", linewidth=0.8, linestyle="-", zorder=1)
-    ax.annotate(
-        "",
-        xy=(right, y),
-        xytext=(left, y),
-        arrowprops={"arrowstyle": "<|-|>", "color": "#333333", "shrinkA": 0, "shrinkB": 0},
-    )
-    _label(ax, ((left + right) / 2, y), text)
-
-
-def _box(ax: Axes, centre: ArrayLike, angle_deg: float, colour: str) -> None:
-    """Draw a sensor: a small box, long side along the angle."""
-    from matplotlib.patches import Rectangle
-
-    x, y = np.asarray(centre, float)
-    ax.add_patch(
-        Rectangle(
-            (x - 0.035, y - 0.02),
-            0.07,
-            0.04,
-            angle=angle_deg,
-            rotation_point="center",
-            facecolor="white",
-            edgecolor=colour,
-            linewidth=1.6,
-            zorder=5,
-        )
-    )
-
-
-def _label(
-    ax: Axes,
-    place: ArrayLike,
-    text: str,
-    colour: str = "black",
-    *,
-    ha: str = "center",
-    va: str = "center",
-    size: int = 11,
-) -> None:
-    x, y = np.asarray(place, float)
-    ax.text(x, y, text, color=colour, ha=ha, va=va, fontsize=size, bbox=PAPER, zorder=8)
+        line(ax, [(x, y), (x, foot)], color="#777777", linewidth=0.8, zorder=1)
+    dimension(ax, (left, y), (right, y), text, colour="#333333")

@@ -81,7 +81,8 @@ def draw_document_frames(geometry: WheelchairGeometry | None = None) -> Figure:
 
     Parameters
     ----------
-    geometry : WheelchairGeometry to draw to scale; None draws the chair of the sample
+    geometry : WheelchairGeometry to draw to scale; if None the chair of WheelMove-ID's sample, with
+        equal wheels
 
     Returns
     -------

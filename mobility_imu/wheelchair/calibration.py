@@ -23,6 +23,7 @@ from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelPair
 from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.series import expect
 
 __all__ = [
     "AlignmentAngles",
@@ -226,6 +227,8 @@ def calibrate_mount(static: Recording, straight: Recording) -> WheelchairCalibra
         If the static trial moves, or the straight-line trial is too short or turns; the message
         gives the number that shows it.
     """
+    expect("static", static, Recording)
+    expect("straight", straight, Recording)
     up = _up(static)
     present = [side for side in SIDES if f"{side}_wheel" in straight.sensors]
     axles = {side: _axle(straight, side) for side in present or SIDES}

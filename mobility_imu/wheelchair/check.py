@@ -18,6 +18,7 @@ from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.series import expect
 
 __all__ = ["GeometryCheck", "check_geometry"]
 
@@ -82,6 +83,9 @@ def check_geometry(
         If a sensor is missing in the recording or in the mount, the chair turns for less than two
         seconds in all, or its speed goes with its yaw rate throughout.
     """
+    expect("recording", recording, Recording)
+    expect("geometry", geometry, WheelchairGeometry)
+    expect("mount", mount, WheelchairMount)
     yaw = mount.frame(recording.gyroscope("frame"))[:, 2]
     wheels = [mount.wheel(side, recording.gyroscope(f"{side}_wheel")) for side in SIDES]
     turning = np.abs(yaw) > SLOWEST_TURN_RADPS

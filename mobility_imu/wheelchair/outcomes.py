@@ -12,6 +12,7 @@ from mobility_imu.frames import FloatArray, as_clock, as_number, as_series, chec
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of
 from mobility_imu.wheelchair.codes import Task, as_codes
+from mobility_imu.wheelchair.series import expect
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -238,7 +239,8 @@ def detect_pushes(
     """
     from scipy import ndimage, signal
 
-    settings = settings or PushSettings()
+    settings = PushSettings() if settings is None else settings
+    expect("settings", settings, PushSettings)
     clock = as_clock(time_s, even=True)
     velocity = as_series(linear_velocity_mps, "linear_velocity_mps", length=len(clock))
     if len(clock) < 3:

@@ -161,8 +161,8 @@ def read_settings(path: str | Path) -> SettingsFile:
     Raises
     ------
     InputError
-        If it is not a JSON object of numbers, has an unknown key or two keys for one setting, a
-        value is impossible, or the sampling rate is none that a sensor has.
+        If it is not a JSON object of numbers, has an unknown key, two values for one setting, or a
+        value that is impossible, or the sampling rate is none that a sensor has.
     """
     numbers = {
         key: 0.0 if value is None else value for key, value in read_json_numbers(path).items()
@@ -178,8 +178,8 @@ def read_settings(path: str | Path) -> SettingsFile:
     values: dict[str, float] = {}
     for key, value in numbers.items():
         name = _TOOL_KEYS.get(key, key)
-        if name in values:
-            raise InputError(f"{path}: {key} gives {name} a second time")
+        if name in values and values[name] != value:
+            raise InputError(f"{path}: {key} = {value:g}, but {name} = {values[name]:g} as well")
         values[name] = value
     try:
         return SettingsFile(TaskSettings(**values), rate)

@@ -21,6 +21,7 @@ from mobility_imu.frames import FloatArray, as_count, as_number, as_series, chec
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of, runs_of
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
+from mobility_imu.wheelchair.series import expect
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -108,6 +109,7 @@ def wheel_speeds(
     >>> print(speeds.left.round(3), speeds.right.round(3))
     [1.5] [2.1]
     """
+    expect("geometry", geometry, WheelchairGeometry)
     velocity = as_series(linear_velocity_mps, "linear_velocity_mps")
     excess = as_series(
         wheel_yaw_rate_radps, "wheel_yaw_rate_radps", length=len(velocity)
@@ -231,7 +233,8 @@ def detect_slip(
     -------
     SlipWindows
     """
-    settings = settings or SlipSettings()
+    settings = SlipSettings() if settings is None else settings
+    expect("settings", settings, SlipSettings)
     yaw = as_series(yaw_rate_radps, "yaw_rate_radps")
     wheels = as_series(wheel_yaw_rate_radps, "wheel_yaw_rate_radps", length=len(yaw))
     fs = as_number(sampling_rate_hz, "sampling_rate_hz")
@@ -281,7 +284,9 @@ def correct_slip(
         If the method is neither, or "wheels" has no wheel speeds; "tool": if the sampling rate is
         too low for the low-pass.
     """
-    settings = settings or windows.settings
+    expect("windows", windows, SlipWindows)
+    settings = windows.settings if settings is None else settings
+    expect("settings", settings, SlipSettings)
     one_of("method", method, ("wheels", "tool"))
     velocity = as_series(linear_velocity_mps, "linear_velocity_mps").copy()
     acc = as_series(forward_acc_mps2, "forward_acc_mps2", length=len(velocity))
@@ -290,6 +295,7 @@ def correct_slip(
     if method == "wheels":
         if wheels is None:
             raise InputError("wheels: method 'wheels' needs the speed from each wheel")
+        expect("wheels", wheels, WheelSpeeds)
         as_series(wheels.left, "wheels.left", length=len(velocity))
         source = slip_sources(wheels, acc, windows, sampling_rate_hz, settings)
         for first, last in zip(windows.first[long], windows.last[long], strict=True):
@@ -343,7 +349,10 @@ def slip_sources(
     within half of what parts the two wheels: then it is nearer to the acceleration than to the
     other wheel, whatever a slope does to the acceleration. Else both slip: ACCELERATION.
     """
-    settings = settings or windows.settings
+    expect("windows", windows, SlipWindows)
+    settings = windows.settings if settings is None else settings
+    expect("settings", settings, SlipSettings)
+    expect("wheels", wheels, WheelSpeeds)
     left, right = wheels.left, wheels.right
     acc = as_series(forward_acc_mps2, "forward_acc_mps2", length=len(left))
     sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
@@ -469,7 +478,9 @@ def slip_report(
     -------
     SlipReport
     """
-    settings = settings or windows.settings
+    expect("windows", windows, SlipWindows)
+    settings = windows.settings if settings is None else settings
+    expect("settings", settings, SlipSettings)
     before = as_series(uncorrected_mps, "uncorrected_mps")
     count = len(before)
     change = np.abs(as_series(corrected_mps, "corrected_mps", length=count) - before)

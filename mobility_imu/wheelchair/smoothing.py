@@ -8,6 +8,7 @@ from typing import Literal
 from mobility_imu.filters import moving_average, savitzky_golay
 from mobility_imu.frames import one_of
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.wheelchair.series import expect
 
 __all__ = ["Smoothing", "smooth_recording"]
 
@@ -36,6 +37,7 @@ def smooth_recording(
         If the method is none of them, or the window is even or longer than the recording.
     """
     one_of("method", method, ("none", "moving-average", "savitzky-golay"))
+    expect("recording", recording, Recording)
     if method == "none":
         return recording
     smooth = (

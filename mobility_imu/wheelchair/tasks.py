@@ -19,6 +19,7 @@ from mobility_imu.frames import FloatArray, as_clock, as_count, as_number, as_se
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of, runs_of
 from mobility_imu.wheelchair.codes import Codes, Task, as_codes
+from mobility_imu.wheelchair.series import alike, expect
 from mobility_imu.wheelchair.settings import TaskSettings
 
 if TYPE_CHECKING:
@@ -69,8 +70,9 @@ def curvature_radius(linear_velocity_mps: ArrayLike, yaw_rate_radps: ArrayLike) 
     >>> curvature_radius([1.0, 0.0, 0.0], [0.5, 1.0, 0.0]).tolist()
     [2.0, 0.0, inf]
     """
-    velocity = np.asarray(linear_velocity_mps, float)
-    yaw_rate = np.asarray(yaw_rate_radps, float)
+    velocity, yaw_rate = alike(
+        linear_velocity_mps=linear_velocity_mps, yaw_rate_radps=yaw_rate_radps
+    )
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         radius = np.abs(velocity / yaw_rate)
     return np.where(yaw_rate == 0, np.inf, radius)
@@ -333,7 +335,8 @@ def task_steps(
     InputError
         As for :func:`task_codes`.
     """
-    settings = settings or TaskSettings()
+    settings = TaskSettings() if settings is None else settings
+    expect("settings", settings, TaskSettings)
     one_of("edge", edge, ("covering", "tool"))
     fs = as_number(sampling_rate_hz, "sampling_rate_hz")
     velocity = as_series(linear_velocity_mps, "linear_velocity_mps")

@@ -7,7 +7,7 @@ the uncorrected rate with the distance between wheel centres, and the spin with 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, overload
 
@@ -16,12 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.executors import run_all
-from mobility_imu.frames import FloatArray, as_series, as_vectors, one_of
+from mobility_imu.frames import FloatArray, as_number, as_series, as_vectors, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.wheelchair.calibration import Form
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry, side_sign
 from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.series import alike, expect
 from mobility_imu.wheelchair.slip import (
     SlipMethod,
     SlipSettings,
@@ -74,8 +75,8 @@ def wheel_spin_rate(
     >>> wheel_spin_rate([gyr], [1.0], np.deg2rad(19), side="left").round(3).tolist()
     [-1.325]
     """
-    lean = side_sign(side) * np.sin(camber_rad)
-    axle, yaw_rate = _alike(gyr_axle_radps=gyr_axle_radps, yaw_rate_radps=yaw_rate_radps)
+    lean = side_sign(side) * np.sin(as_number(camber_rad, "camber_rad", negative=True))
+    axle, yaw_rate = alike(gyr_axle_radps=gyr_axle_radps, yaw_rate_radps=yaw_rate_radps)
     return np.asarray(axle - yaw_rate * lean)
 
 
@@ -100,6 +101,7 @@ def wheel_spin_rate_printed(
     (n,) array, rad/s
     """
     gyr = as_vectors(gyr_wheel_radps, "gyr_wheel_radps", ndim=2)
+    camber_rad = as_number(camber_rad, "camber_rad", negative=True)
     across = np.hypot(gyr[:, 0], gyr[:, 1])
     return np.asarray(gyr[:, 2] + side_sign(side) * across * np.tan(camber_rad))
 
@@ -151,24 +153,15 @@ def wheel_yaw_rate(
     (n,) array, rad/s
     """
     left, right = _rolling_speeds(rate_left_radps, rate_right_radps, geometry)
-    return (right - left) / distance_m
+    return (right - left) / as_number(distance_m, "distance_m")
 
 
 def _rolling_speeds(
     rate_left: ArrayLike, rate_right: ArrayLike, geometry: WheelchairGeometry
 ) -> tuple[FloatArray, FloatArray]:
-    left, right = _alike(rate_left_radps=rate_left, rate_right_radps=rate_right)
+    expect("geometry", geometry, WheelchairGeometry)
+    left, right = alike(rate_left_radps=rate_left, rate_right_radps=rate_right)
     return geometry.wheel_radius_m.left * left, geometry.wheel_radius_m.right * right
-
-
-def _alike(**named: ArrayLike) -> list[FloatArray]:
-    """Series as float arrays of one shape; single numbers go with any."""
-    arrays = [np.asarray(values, float) for values in named.values()]
-    shapes = {array.shape for array in arrays if array.ndim}
-    if len(shapes) > 1:
-        sizes = ", ".join(f"{name} {a.shape}" for name, a in zip(named, arrays, strict=True))
-        raise InputError(f"{sizes}: expected series of one length")
-    return arrays
 
 
 def single_wheel_velocity(
@@ -194,7 +187,8 @@ def single_wheel_velocity(
     -------
     (n,) array, m/s, midway between the wheels' contacts
     """
-    rate, yaw_rate = _alike(rate_axle_radps=rate_axle_radps, yaw_rate_radps=yaw_rate_radps)
+    expect("geometry", geometry, WheelchairGeometry)
+    rate, yaw_rate = alike(rate_axle_radps=rate_axle_radps, yaw_rate_radps=yaw_rate_radps)
     centre = geometry.wheel_centre(side)[1]
     return np.asarray(geometry.wheel_radius_m.of(side) * rate + centre * yaw_rate)
 
@@ -223,10 +217,14 @@ def velocity_standard_deviation(
     -------
     (n,) array, m/s
     """
+    expect("geometry", geometry, WheelchairGeometry)
     radius = geometry.wheel_radius_m
-    left, right = _alike(rate_left_radps=rate_left_radps, rate_right_radps=rate_right_radps)
-    noise = gyr_sd_radps**2 * (radius.left**2 + radius.right**2)
-    return np.asarray(np.sqrt(noise + radius_sd_m**2 * (left**2 + right**2)) / 2)
+    gyr_sd_radps = as_number(gyr_sd_radps, "gyr_sd_radps", zero=True)
+    radius_sd_m = as_number(radius_sd_m, "radius_sd_m", zero=True)
+    left, right = alike(rate_left_radps=rate_left_radps, rate_right_radps=rate_right_radps)
+    with np.errstate(over="ignore"):
+        noise = gyr_sd_radps * np.hypot(*radius)
+        return np.asarray(np.hypot(noise, radius_sd_m * np.hypot(left, right)) / 2)
 
 
 def wheel_yaw_standard_deviation(
@@ -253,12 +251,17 @@ def wheel_yaw_standard_deviation(
     -------
     (n,) array, rad/s
     """
-    yaw, speed = _alike(yaw_rate_radps=yaw_rate_radps, linear_velocity_mps=linear_velocity_mps)
+    yaw, speed = alike(yaw_rate_radps=yaw_rate_radps, linear_velocity_mps=linear_velocity_mps)
+    expect("geometry", geometry, WheelchairGeometry)
+    gyr_sd_radps = as_number(gyr_sd_radps, "gyr_sd_radps", zero=True)
+    radius_sd_m = as_number(radius_sd_m, "radius_sd_m", zero=True)
+    distance_sd_m = as_number(distance_sd_m, "distance_sd_m", zero=True)
     radius, distance = geometry.wheel_radius_m, geometry.wheel_centre_distance_m
     left, right = speed - yaw * distance / 2, speed + yaw * distance / 2
-    noise = gyr_sd_radps**2 * (radius.left**2 + radius.right**2)
-    sizes = radius_sd_m**2 * ((left / radius.left) ** 2 + (right / radius.right) ** 2)
-    return np.asarray(np.sqrt(noise + sizes + (yaw * distance_sd_m) ** 2) / distance)
+    with np.errstate(over="ignore"):
+        noise = gyr_sd_radps * np.hypot(*radius)
+        sizes = radius_sd_m * np.hypot(left / radius.left, right / radius.right)
+        return np.asarray(np.hypot(np.hypot(noise, sizes), yaw * distance_sd_m) / distance)
 
 
 def printed_yaw_gain(geometry: WheelchairGeometry) -> tuple[float, float]:
@@ -317,8 +320,7 @@ class VelocitySettings:
         one_of("form", self.form, ("corrected", "printed"))
         one_of("slip_correction", self.slip_correction, (True, False))
         one_of("slip_method", self.slip_method, ("wheels", "tool"))
-        if not isinstance(self.slip, SlipSettings):
-            raise InputError(f"slip = {self.slip!r:.60}: expected SlipSettings")
+        expect("slip", self.slip, SlipSettings)
         if self.form == "printed" and self.slip_correction and self.slip_method == "wheels":
             raise InputError(
                 "slip_method = 'wheels': eq. 1.16 as printed tells no wheel from the other; "
@@ -434,14 +436,10 @@ def estimate_velocity(
         swapped).
     """
     settings = VelocitySettings() if settings is None else settings
-    for name, value, kind in (
-        ("geometry", geometry, WheelchairGeometry),
-        ("mount", mount, WheelchairMount),
-        ("settings", settings, VelocitySettings),
-    ):
-        if not isinstance(value, kind):
-            raise InputError(f"{name}: got {type(value).__name__}, expected {kind.__name__}")
-    if isinstance(recording, Recording):
+    expect("geometry", geometry, WheelchairGeometry)
+    expect("mount", mount, WheelchairMount)
+    expect("settings", settings, VelocitySettings)
+    if isinstance(recording, Recording) or not isinstance(recording, Iterable):
         return _one_recording(recording, geometry, mount, settings)
     return run_all(_one_recording, [(r, geometry, mount, settings) for r in recording], executor)
 
@@ -452,8 +450,7 @@ def _one_recording(
     mount: WheelchairMount,
     settings: VelocitySettings,
 ) -> ChairVelocity:
-    if not isinstance(recording, Recording):
-        raise InputError(f"recording: got {type(recording).__name__}, expected a Recording")
+    expect("recording", recording, Recording)
     yaw_rate = mount.frame(recording.gyroscope("frame"))[:, 2]
     present = [side for side in SIDES if f"{side}_wheel" in recording.sensors]
     try:

@@ -88,10 +88,10 @@ def test_tool_settings_file(with_settings, works, fails):
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        ('{"freqAcq": 0}', "freqAcq: sampling rate of 0 Hz"),
-        ('{"freqAcq": null}', "freqAcq: sampling rate of 0 Hz"),
+        ('{"freqAcq": 0}', "freqAcq: sampling rate of 0"),
+        ('{"freqAcq": null}', "freqAcq: sampling rate of 0"),
         ('{"freqAcq": NaN}', "freqAcq: sampling rate of nan Hz"),
-        ('{"freqAcq": -100}', "freqAcq: sampling rate of -100 Hz"),
+        ('{"freqAcq": -100}', "freqAcq: sampling rate of -100"),
         ('{"freqAcq": "100"}', "freqAcq = '100', expected a number"),
         ('{"seuilVitLinAbs": true}', "seuilVitLinAbs = True, expected a number"),
         ('{"seuilVitLinAbs": "0.5"}', "seuilVitLinAbs = '0.5', expected a number"),

@@ -97,8 +97,8 @@ def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('{"freqAcq": 0}', "freqAcq: sampling rate of 0 Hz"),
-        ('{"freqAcq": null}', "freqAcq: sampling rate of 0 Hz"),
+        ('{"freqAcq": 0}', "freqAcq: sampling rate of 0"),
+        ('{"freqAcq": null}', "freqAcq: sampling rate of 0"),
         ('{"freqAcq": NaN}', "freqAcq: sampling rate of nan Hz"),
         ('{"freqAcq": 1e9}', "freqAcq: sampling rate"),
         ('{"freqAcq": "100"}', "freqAcq = '100', expected a number"),
@@ -106,7 +106,11 @@ def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
         ('{"seuilVitLinAbs": true}', "seuilVitLinAbs = True, expected a number"),
         ('{"seuilVitLinAbs": 1' + 310 * "0" + "}", "expected a number"),
         ('{"seuilVitLinAbs": 1' + 5000 * "0" + "}", "too many digits"),
-        ('{"segment_s": 0.2, "inptSegmentsec": 0.3}', "segment_s a second time"),
+        (
+            '{"segment_s": 0.2, "inptSegmentsec": 0.3}',
+            "inptSegmentsec = 0.3, but segment_s = 0.2 as well",
+        ),
+        ('{"seuilVitLinAbs": NaN}', "linear_velocity_mps = nan"),
         (9000 * '{"a":', "nested too deeply"),
     ],
 )

@@ -34,6 +34,7 @@ from mobility_imu.simulation.wheelchair import (
     simulate_drive,
 )
 from mobility_imu.wheelchair.calibration import (
+    AlignmentAngles,
     alignment_matrix,
     calibrate_mount,
     frame_alignment_angles,
@@ -159,17 +160,7 @@ def _wheel_angles() -> list[Claim]:
     equations = "equations (1.8) and (1.9)"
     figure = "share of wheel sensors whose aligned z is Figure 1's outward axle"
     return [
-        _claim(
-            equations,
-            "largest difference of the printed angles from our function's printed form",
-            lambda: _largest(
-                np.subtract(printed_angles(u), wheel_alignment_angles(u, form="printed"))
-                for u in _directions()
-            ),
-            unit="rad",
-            reference=0.0,
-            reference_from="our function",
-        ),
+        _our_printed_form(equations, wheel_alignment_angles),
         _claim(
             equations,
             f"{figure}; sensors face outward, as drawn",
@@ -189,6 +180,19 @@ def _wheel_angles() -> list[Claim]:
             finding="W2",
         ),
     ]
+
+
+def _our_printed_form(equations: str, angles: Callable[..., AlignmentAngles]) -> Claim:
+    return _claim(
+        equations,
+        "largest difference of the printed angles from our function's printed form",
+        lambda: _largest(
+            np.subtract(printed_angles(u), angles(u, form="printed")) for u in _directions()
+        ),
+        unit="rad",
+        reference=0.0,
+        reference_from="our function",
+    )
 
 
 def _outward_share(facing: Facing) -> float:
@@ -227,17 +231,7 @@ def _frame_angles() -> list[Claim]:
             reference_from="both sides of the equation",
             finding="W1",
         ),
-        _claim(
-            equations,
-            "largest difference of the printed angles from our function's printed form",
-            lambda: _largest(
-                np.subtract(printed_angles(u), frame_alignment_angles(u, form="printed"))
-                for u in _directions()
-            ),
-            unit="rad",
-            reference=0.0,
-            reference_from="our function",
-        ),
+        _our_printed_form(equations, frame_alignment_angles),
         *_vertical_of_the_frame(),
     ]
 
