@@ -286,6 +286,31 @@ def add_noise(
 
 
 @_compiled
+def zero_updates(
+    states: FloatArray, begin: int, end: int, h: float, gyr: FloatArray, observed: FloatArray,
+    noise: FloatArray, zero_rate: bool, upright: bool, g: int, innovations: FloatArray,
+    weights: FloatArray,
+) -> None:  # fmt: skip
+    """Innovations z of stride g and their weights 1 / R, by state, see eskf.zero_updates."""
+    height = 0.0
+    for k in range(begin, end):
+        height += observed[k if len(observed) > 1 else 0, 3] / (end - begin)
+    if upright:
+        innovations[g, HEIGHT] = height - states[end, POS + 2]
+        weights[g, HEIGHT] = h / noise[N_HEIGHT]
+    for i in range(3):
+        rate, velocity = 0.0, 0.0
+        for k in range(begin, end):
+            rate += gyr[k, i] / (end - begin)
+            velocity += observed[k if len(observed) > 1 else 0, i] / (end - begin)
+        innovations[g, D_VEL + i] = velocity - states[end, VEL + i]
+        weights[g, D_VEL + i] = h / noise[N_VELOCITY]
+        if zero_rate:
+            innovations[g, D_GYR + i] = rate - states[end, GYR + i]
+            weights[g, D_GYR + i] = h / (noise[N_RATE] + noise[N_GYR])
+
+
+@_compiled
 def observe(
     p: FloatArray, error: FloatArray, row: FloatArray, i: int, innovation: float, weight: float
 ) -> float:
@@ -351,22 +376,8 @@ def run_filter(
         if rest:
             now = matrix_of(states[end, 0], states[end, 1], states[end, 2], states[end, 3])
             upright = now[6] * up[6] + now[7] * up[7] + now[8] * up[8] > upright_cos
-            for i in range(3):
-                rate, seen = 0.0, 0.0
-                for k in range(begin, end):
-                    rate += gyr[k, i]
-                    seen += observed[k if len(observed) > 1 else 0, i]
-                innovations[g, D_VEL + i] = seen / (end - begin) - states[end, VEL + i]
-                weights[g, D_VEL + i] = h / noise[N_VELOCITY]
-                if zero_rate:
-                    innovations[g, D_GYR + i] = rate / (end - begin) - states[end, GYR + i]
-                    weights[g, D_GYR + i] = h / (noise[N_RATE] + noise[N_GYR])
-            if upright:
-                seen = 0.0
-                for k in range(begin, end):
-                    seen += observed[k if len(observed) > 1 else 0, 3]
-                innovations[g, HEIGHT] = seen / (end - begin) - states[end, POS + 2]
-                weights[g, HEIGHT] = h / noise[N_HEIGHT]
+            zero_updates(states, begin, end, h, gyr, observed, noise, zero_rate, upright,
+                         g, innovations, weights)  # fmt: skip
             for i in range(ROW):
                 error[i] = 0.0
             for i in range(D_GYR, D_ACC):
@@ -383,18 +394,55 @@ def run_filter(
 
 
 @_compiled
+def back_over_update(
+    p: FloatArray, before: FloatArray, innovations: FloatArray, weights: FloatArray, g: int,
+    mu: FloatArray, big_lambda: FloatArray, work: FloatArray,
+) -> None:  # fmt: skip
+    """Take mu and Lambda back: mu + D (z - K z - P mu), C' Lambda C + D - D P D, C' = 1 - D P.
+
+    D holds the weights 1 / R on its diagonal. With P after the update K H = P D, and H' S⁻¹ H =
+    D - D P D: what eskf.back_over_update computes, without an inverse. before is K z + P mu.
+    """
+    c_back = work[3]
+    identity(c_back)
+    for i in range(15):
+        weight = weights[g, i]
+        mu[i] += weight * (innovations[g, i] - before[i])
+        for j in range(15):
+            c_back[ROW * i + j] -= weight * p[ROW * i + j]
+    sandwich(c_back, big_lambda, work[4], work[5])
+    for i in range(15):
+        for j in range(15):
+            big_lambda[ROW * i + j] += c_back[ROW * i + j] * weights[g, j]
+
+
+@_compiled
+def back_over_step(
+    phi: FloatArray, mu: FloatArray, big_lambda: FloatArray, work: FloatArray
+) -> None:
+    """Phi' mu and Phi' Lambda Phi."""
+    back, changed = work[3], work[9]
+    for i in range(ROW):
+        changed[i] = 0.0
+    for k in range(15):
+        for i in range(ROW):
+            changed[i] += phi[ROW * k + i] * mu[k]
+    for i in range(ROW):
+        mu[i] = changed[i]
+    transpose(phi, back)
+    sandwich(back, big_lambda, work[4], work[5])
+    symmetrise(big_lambda)
+
+
+@_compiled
 def run_smoother(
     ends: NDArray[np.int64], covariances: FloatArray, transitions: FloatArray,
     innovations: FloatArray, weights: FloatArray, errors: FloatArray, mu_last: FloatArray,
     lambda_last: FloatArray, work: FloatArray, states: FloatArray, variances: FloatArray,
 ) -> None:  # fmt: skip
-    """Smooth all strides from the last to the first, see eskf.run_smoother; states in place.
-
-    With P after an update, K H = P D, where D holds the weights 1 / R on its diagonal, and
-    H' S⁻¹ H = D - D P D: so no inverse is needed on the way back.
-    """
-    p, big_lambda, known, other, spare = work[0], work[1], work[2], work[3], work[4]
-    mu, error, before, between, changed = work[5], work[6], work[7], work[8], work[9]
+    """Smooth all strides from the last to the first, see eskf.run_smoother; states in place."""
+    p, phi, big_lambda, lambda_p = work[0], work[1], work[2], work[3]
+    mu, error, before, between = work[6], work[7], work[8], work[9]
     for i in range(15):
         mu[i] = mu_last[i]
     for i in range(SIZE):
@@ -411,12 +459,12 @@ def run_smoother(
                 for i in range(15):
                     between[i] = (1 - later) * error[i] + later * before[i]
                 correct(states, k, between)
-        multiply(big_lambda, p, known)
+        multiply(big_lambda, p, lambda_p)
         for i in range(15):  # diagonal of P - P Lambda P
             variances[g, i] = p[DIAGONAL * i]
         for k in range(15):
             for i in range(15):
-                variances[g, i] -= p[ROW * k + i] * known[ROW * k + i]
+                variances[g, i] -= p[ROW * k + i] * lambda_p[ROW * k + i]
         if g == 0:
             break
         observed = False
@@ -424,26 +472,7 @@ def run_smoother(
             before[i] = error[i] + errors[g - 1, i]
             observed |= weights[g - 1, i] > 0
         if observed:
-            # mu + D (z - K z - P mu), and with C' = 1 - D P: C' Lambda C + D - D P D
-            identity(spare)
-            for i in range(15):
-                weight = weights[g - 1, i]
-                mu[i] += weight * (innovations[g - 1, i] - before[i])
-                for j in range(15):
-                    spare[ROW * i + j] -= weight * p[ROW * i + j]
-            sandwich(spare, big_lambda, known, other)
-            for i in range(15):
-                for j in range(15):
-                    big_lambda[ROW * i + j] += spare[ROW * i + j] * weights[g - 1, j]
+            back_over_update(p, before, innovations, weights, g - 1, mu, big_lambda, work)
         for i in range(SIZE):
-            spare[i] = transitions[g - 1, i]
-        for i in range(ROW):
-            changed[i] = 0.0
-        for k in range(15):  # Phi' mu
-            for i in range(ROW):
-                changed[i] += spare[ROW * k + i] * mu[k]
-        for i in range(ROW):
-            mu[i] = changed[i]
-        transpose(spare, p)
-        sandwich(p, big_lambda, known, other)  # Phi' Lambda Phi
-        symmetrise(big_lambda)
+            phi[i] = transitions[g - 1, i]
+        back_over_step(phi, mu, big_lambda, work)
