@@ -1,5 +1,6 @@
 """Compiled loops: kept machine code is found, and nobody waits for a compiler unasked."""
 
+import importlib
 import logging
 import os
 import subprocess
@@ -111,7 +112,7 @@ def test_the_environment_decides_if_it_is_asked_to(loop, monkeypatch):
 
 
 def test_the_command_line_says_that_it_compiles(monkeypatch, capsys):
-    from mobility_imu.cli import main as command
+    command = importlib.import_module("mobility_imu.cli.main")
 
     def run():
         logging.getLogger("mobility_imu").info("compiling the loop")
