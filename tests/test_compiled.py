@@ -1,5 +1,7 @@
 """Compiled loops: kept machine code is found, and nobody waits for a compiler unasked."""
 
+import importlib
+import logging
 import os
 import subprocess
 import sys
@@ -107,3 +109,17 @@ def test_the_environment_decides_if_it_is_asked_to(loop, monkeypatch):
     assert choose(given, plain_s=1e9, what="loop") == "plain"
     monkeypatch.setenv("MOBILITY_IMU_COMPILE", "always")
     assert choose(given, plain_s=0.0, what="loop") == "compiled"
+
+
+def test_the_command_line_says_that_it_compiles(monkeypatch, capsys):
+    command = importlib.import_module("mobility_imu.cli.main")
+
+    def run():
+        logging.getLogger("mobility_imu").info("compiling the loop")
+        return command.DONE, ""
+
+    monkeypatch.setattr(command, "_run", run)
+    for _ in range(2):  # once for each command, however often a process runs one
+        with pytest.raises(SystemExit):
+            command.main()
+        assert capsys.readouterr().err == "mobility-imu: compiling the loop\n"

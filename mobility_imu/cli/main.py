@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import logging
 import os
 import re
 import sys
@@ -68,9 +69,13 @@ def main() -> None:
     # Collected: when a command fails, its error is the only line.
     with warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
+        log, steps = logging.getLogger("mobility_imu"), _Steps(logging.INFO)
+        log.addHandler(steps)
+        log.setLevel(logging.INFO)
         try:
             code, message = _run()
         finally:
+            log.removeHandler(steps)
             sys.stdout, sys.stderr = stdout, stderr  # the application may wrap them
     if code == DONE:
         for warning in _own(heard):
@@ -166,6 +171,14 @@ def _own(heard: Iterable[warnings.WarningMessage]) -> list[str]:
         if warning.category is UserWarning and PACKAGE in Path(warning.filename).parents
     ]
     return list(dict.fromkeys(texts))
+
+
+class _Steps(logging.Handler):
+    """What takes long is said before it begins, such as compiling."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print one record."""
+        _say(record.getMessage())
 
 
 def _say(message: str) -> None:

@@ -5,21 +5,24 @@ One file, since numba knows by the file's date when kept machine code is out of 
 Layout. A state is a row of 16 numbers, the error state has 15 in the order of eq. 23::
 
     states[k]  | q q q q | r r r | v v v | b_g b_g b_g | b_a b_a b_a |    k = 0 ... n
-                 QUAT      POS     VEL     GYR           ACC
+                           POS     VEL     GYR           ACC
                  0         4       7       10            13
     error        | half turn | b_g     | r       | v       | b_a     | 0 |
+                               D_GYR     D_POS     D_VEL     D_ACC
                    0 .. 2      3 .. 5    6 .. 8    9 .. 11   12 .. 14  15
 
-A matrix lies flat, 15 rows of 16 numbers (the last is 0): row i begins at 16 i and its diagonal is
-at 17 i. Only with this constant does the compiler see that a row fits its registers, which makes
-the loops six times faster than those over (15, 15) arrays::
+A matrix lies flat, 15 rows of 16 numbers (the last is 0): element (i, j) is at 16 i + j, the
+diagonal at 17 i. Only with this constant does the compiler see that a row fits its registers, which
+makes the loops six times faster than those over (15, 15) arrays. The transition of one sample, with
+unit matrices 1, empty blocks zero, and each block where its row and column begin::
 
-    Phi   columns   0        3        6        9        12
-    row 0   q    | Phi_qq | Phi_qb |        |        |        |   at  0    Q_Q, Q_B
-    row 3   b_g  |        |   1    |        |        |        |   at 48
-    row 6   r    | Phi_rq | Phi_rb |   1    |  dt 1  | Phi_ra |   at 96   R_ROW
-    row 9   v    | Phi_vq | Phi_vb |        |   1    | Phi_va |   at 144  V_ROW
-    row 12  b_a  |        |        |        |        |   1    |   at 192
+    Phi              q        b_g      r        v        b_a
+         column      0        D_GYR    D_POS    D_VEL    D_ACC
+    row  0        | Phi_qq | Phi_qb |        |        |        |   from   0 on
+    row  D_GYR    |        |   1    |        |        |        |         48
+    row  D_POS    | Phi_rq | Phi_rb |   1    |  dt 1  | Phi_ra |         96
+    row  D_VEL    | Phi_vq | Phi_vb |        |   1    | Phi_va |        144
+    row  D_ACC    |        |        |        |        |   1    |        192
 
 Slicing an array (``states[k]``) makes numba count a reference, which costs as much as 30 products;
 therefore whole arrays are indexed, and small functions take and return numbers.
@@ -38,8 +41,9 @@ Quaternion = tuple[float, float, float, float]
 Matrix = tuple[float, float, float, float, float, float, float, float, float]
 
 POS, VEL, GYR, ACC = 4, 7, 10, 13  # in a row of states
-V_ROW, R_ROW = 144, 96  # where rows of a flat matrix begin
-B_COLUMN, V_COLUMN, A_COLUMN = 3, 9, 12
+D_GYR, D_POS, D_VEL, D_ACC = 3, 6, 9, 12  # in the error state
+HEIGHT = D_POS + 2
+ROW, DIAGONAL, SIZE = 16, 17, 240  # of a flat matrix: from row to row, along the diagonal, numbers
 # Order of the noise's squared densities, see eskf.Noise.
 N_GYR, N_ACC, N_GYR_WALK, N_ACC_WALK, N_VELOCITY, N_HEIGHT, N_RATE, N_SATURATED = range(8)
 
@@ -169,7 +173,7 @@ def step(
     for i in range(3):
         # Phi_qq = R(p)'
         row = row_times((back[3 * i], back[3 * i + 1], back[3 * i + 2]), back)
-        phi[16 * i], phi[16 * i + 1], phi[16 * i + 2] = row
+        phi[ROW * i], phi[ROW * i + 1], phi[ROW * i + 2] = row
         # Phi_qb = bias_gain (1 - [p x] / 2 + [p x]² / 6)
         one = (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
         once = row_times_cross(one, p)
@@ -179,41 +183,41 @@ def step(
         tilt = -2 * dt * tilt[0], -2 * dt * tilt[1], -2 * dt * tilt[2]
         from_tilt = row_times(tilt, back)  # Phi_vq
         turned = row_times_cross(tilt, p)
-        v, h = V_ROW + 16 * i, dt / 2
+        v_row, r_row, h = ROW * (D_VEL + i), ROW * (D_POS + i), dt / 2
         for j in range(3):
-            phi[16 * i + B_COLUMN + j] = bias_gain * (one[j] - once[j] / 2 + twice[j] / 6)
+            phi[ROW * i + D_GYR + j] = bias_gain * (one[j] - once[j] / 2 + twice[j] / 6)
             from_gyr = bias_gain / 2 * (tilt[j] - turned[j] / 4)  # Phi_vb
             from_acc = -coupling * dt * r[3 * i + j]  # Phi_va
-            phi[v + j], phi[v + B_COLUMN + j], phi[v + A_COLUMN + j] = (
+            phi[v_row + j], phi[v_row + D_GYR + j], phi[v_row + D_ACC + j] = (
                 from_tilt[j], from_gyr, from_acc
             )  # fmt: skip
             # What the velocity gains, the position gains by half the interval.
-            phi[v - 48 + j], phi[v - 48 + B_COLUMN + j], phi[v - 48 + A_COLUMN + j] = (
+            phi[r_row + j], phi[r_row + D_GYR + j], phi[r_row + D_ACC + j] = (
                 h * from_tilt[j], h * from_gyr, h * from_acc
             )  # fmt: skip
-        phi[R_ROW + 16 * i + V_COLUMN + i] = dt
+        phi[r_row + D_VEL + i] = dt
 
 
 @_compiled
 def identity(out: FloatArray) -> None:
     """The unit matrix."""
-    for i in range(240):
+    for i in range(SIZE):
         out[i] = 0.0
     for i in range(15):
-        out[17 * i] = 1.0
+        out[DIAGONAL * i] = 1.0
 
 
 @_compiled
 def multiply(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
     """Product a b, three rows at a time: b is read once for them."""
-    for k in range(0, 240, 48):
-        for j in range(16):
-            x, y, z = a[k] * b[j], a[k + 16] * b[j], a[k + 32] * b[j]
+    for k in range(0, SIZE, 3 * ROW):
+        for j in range(ROW):
+            x, y, z = a[k] * b[j], a[k + ROW] * b[j], a[k + 2 * ROW] * b[j]
             for m in range(1, 15):
-                x += a[k + m] * b[16 * m + j]
-                y += a[k + 16 + m] * b[16 * m + j]
-                z += a[k + 32 + m] * b[16 * m + j]
-            out[k + j], out[k + 16 + j], out[k + 32 + j] = x, y, z
+                x += a[k + m] * b[ROW * m + j]
+                y += a[k + ROW + m] * b[ROW * m + j]
+                z += a[k + 2 * ROW + m] * b[ROW * m + j]
+            out[k + j], out[k + ROW + j], out[k + 2 * ROW + j] = x, y, z
 
 
 @_compiled
@@ -221,7 +225,7 @@ def transpose(a: FloatArray, out: FloatArray) -> None:
     """Transposed matrix."""
     for i in range(15):
         for j in range(15):
-            out[16 * i + j] = a[16 * j + i]
+            out[ROW * i + j] = a[ROW * j + i]
 
 
 @_compiled
@@ -237,17 +241,17 @@ def symmetrise(p: FloatArray) -> None:
     """Take out the unsymmetric part that rounding leaves; the updates would let it grow."""
     for i in range(15):
         for j in range(i):
-            p[16 * j + i] = p[16 * i + j]
+            p[ROW * j + i] = p[ROW * i + j]
 
 
 @_compiled
 def times_vector(p: FloatArray, v: FloatArray, out: FloatArray) -> None:
     """Product of a symmetric matrix and a vector."""
-    for j in range(16):
+    for j in range(ROW):
         out[j] = 0.0
     for i in range(15):
-        for j in range(16):
-            out[j] += v[i] * p[16 * i + j]
+        for j in range(ROW):
+            out[j] += v[i] * p[ROW * i + j]
 
 
 @_compiled
@@ -259,10 +263,10 @@ def correct(states: FloatArray, k: int, error: FloatArray) -> None:
     for i in range(4):
         states[k, i] = q[i] * scale
     for i in range(3):
-        states[k, GYR + i] += error[3 + i]
-        states[k, POS + i] += error[6 + i]
-        states[k, VEL + i] += error[9 + i]
-        states[k, ACC + i] += error[12 + i]
+        states[k, GYR + i] += error[D_GYR + i]
+        states[k, POS + i] += error[D_POS + i]
+        states[k, VEL + i] += error[D_VEL + i]
+        states[k, ACC + i] += error[D_ACC + i]
 
 
 @_compiled
@@ -272,13 +276,38 @@ def add_noise(
     """P + Q of a stride, see eskf.process_noise."""
     position = acc * h * h * h * (1 / 3 - 1 / (12 * samples**2))
     for i in range(3):
-        p[17 * i] += noise[N_GYR] * fraction / 4 * h
-        p[17 * (3 + i)] += noise[N_GYR_WALK] * h
-        p[17 * (6 + i)] += position
-        p[17 * (6 + i) + 3] += acc * h * h / 2
-        p[17 * (9 + i) - 3] += acc * h * h / 2
-        p[17 * (9 + i)] += acc * h
-        p[17 * (12 + i)] += noise[N_ACC_WALK] * h
+        p[DIAGONAL * i] += noise[N_GYR] * fraction / 4 * h
+        p[DIAGONAL * (D_GYR + i)] += noise[N_GYR_WALK] * h
+        p[DIAGONAL * (D_POS + i)] += position
+        p[ROW * (D_POS + i) + D_VEL + i] += acc * h * h / 2
+        p[ROW * (D_VEL + i) + D_POS + i] += acc * h * h / 2
+        p[DIAGONAL * (D_VEL + i)] += acc * h
+        p[DIAGONAL * (D_ACC + i)] += noise[N_ACC_WALK] * h
+
+
+@_compiled
+def zero_updates(
+    states: FloatArray, begin: int, end: int, h: float, gyr: FloatArray, observed: FloatArray,
+    noise: FloatArray, zero_rate: bool, upright: bool, g: int, innovations: FloatArray,
+    weights: FloatArray,
+) -> None:  # fmt: skip
+    """Innovations z of stride g and their weights 1 / R, by state, see eskf.zero_updates."""
+    height = 0.0
+    for k in range(begin, end):
+        height += observed[k if len(observed) > 1 else 0, 3] / (end - begin)
+    if upright:
+        innovations[g, HEIGHT] = height - states[end, POS + 2]
+        weights[g, HEIGHT] = h / noise[N_HEIGHT]
+    for i in range(3):
+        rate, velocity = 0.0, 0.0
+        for k in range(begin, end):
+            rate += gyr[k, i] / (end - begin)
+            velocity += observed[k if len(observed) > 1 else 0, i] / (end - begin)
+        innovations[g, D_VEL + i] = velocity - states[end, VEL + i]
+        weights[g, D_VEL + i] = h / noise[N_VELOCITY]
+        if zero_rate:
+            innovations[g, D_GYR + i] = rate - states[end, GYR + i]
+            weights[g, D_GYR + i] = h / (noise[N_RATE] + noise[N_GYR])
 
 
 @_compiled
@@ -292,15 +321,15 @@ def observe(
     its variance.
     """
     left = innovation - error[i]
-    variance: float = p[17 * i] + 1 / weight  # S
-    for j in range(16):
-        row[j] = p[16 * i + j]
-    for j in range(16):
+    variance: float = p[DIAGONAL * i] + 1 / weight  # S
+    for j in range(ROW):
+        row[j] = p[ROW * i + j]
+    for j in range(ROW):
         error[j] += row[j] * (left / variance)  # K times what is left of the innovation
     for k in range(15):
         gain = row[k] / variance
-        for j in range(16):
-            p[16 * k + j] -= gain * row[j]
+        for j in range(ROW):
+            p[ROW * k + j] -= gain * row[j]
     nis: float = left * left / variance
     return nis
 
@@ -320,7 +349,7 @@ def run_filter(
     """
     p, phi, one, other, spare = work[0], work[1], work[2], work[3], work[4]
     error, row = work[5], work[6]
-    for i in range(240):
+    for i in range(SIZE):
         p[i] = covariances[0, i]
     identity(one)
     up = matrix_of(states[0, 0], states[0, 1], states[0, 2], states[0, 3])
@@ -338,7 +367,7 @@ def run_filter(
             else:
                 step(states, k, acc, gyr, dt[k], fraction, sign, coupling, one)
                 multiply(one, phi, other)
-                for i in range(240):
+                for i in range(SIZE):
                     phi[i] = other[i]
         sandwich(phi, p, other, spare)
         symmetrise(p)
@@ -347,35 +376,62 @@ def run_filter(
         if rest:
             now = matrix_of(states[end, 0], states[end, 1], states[end, 2], states[end, 3])
             upright = now[6] * up[6] + now[7] * up[7] + now[8] * up[8] > upright_cos
-            for i in range(3):
-                rate, seen = 0.0, 0.0
-                for k in range(begin, end):
-                    rate += gyr[k, i]
-                    seen += observed[k if len(observed) > 1 else 0, i]
-                innovations[g, 9 + i] = seen / (end - begin) - states[end, VEL + i]
-                weights[g, 9 + i] = h / noise[N_VELOCITY]
-                if zero_rate:
-                    innovations[g, 3 + i] = rate / (end - begin) - states[end, GYR + i]
-                    weights[g, 3 + i] = h / (noise[N_RATE] + noise[N_GYR])
-            if upright:
-                seen = 0.0
-                for k in range(begin, end):
-                    seen += observed[k if len(observed) > 1 else 0, 3]
-                innovations[g, 8] = seen / (end - begin) - states[end, POS + 2]
-                weights[g, 8] = h / noise[N_HEIGHT]
-            for i in range(16):
+            zero_updates(states, begin, end, h, gyr, observed, noise, zero_rate, upright,
+                         g, innovations, weights)  # fmt: skip
+            for i in range(ROW):
                 error[i] = 0.0
-            for i in range(3, 12):
+            for i in range(D_GYR, D_ACC):
                 if weights[g, i] > 0:
                     nis[end - 1] += observe(p, error, row, i, innovations[g, i], weights[g, i])
                     nis_dof[end - 1] += 1
             correct(states, end, error)
             for i in range(15):
                 errors[g, i] = error[i]
-        for i in range(240):
+        for i in range(SIZE):
             covariances[g + 1, i] = p[i]
             transitions[g, i] = phi[i]
         begin = end
+
+
+@_compiled
+def back_over_update(
+    p: FloatArray, before: FloatArray, innovations: FloatArray, weights: FloatArray, g: int,
+    mu: FloatArray, big_lambda: FloatArray, work: FloatArray,
+) -> None:  # fmt: skip
+    """Take mu and Lambda back: mu + D (z - K z - P mu), C' Lambda C + D - D P D, C' = 1 - D P.
+
+    D holds the weights 1 / R on its diagonal. With P after the update K H = P D, and H' S⁻¹ H =
+    D - D P D: what eskf.back_over_update computes, without an inverse. before is K z + P mu.
+    """
+    c_back = work[3]
+    identity(c_back)
+    for i in range(15):
+        weight = weights[g, i]
+        mu[i] += weight * (innovations[g, i] - before[i])
+        for j in range(15):
+            c_back[ROW * i + j] -= weight * p[ROW * i + j]
+    sandwich(c_back, big_lambda, work[4], work[5])
+    for i in range(15):
+        for j in range(15):
+            big_lambda[ROW * i + j] += c_back[ROW * i + j] * weights[g, j]
+
+
+@_compiled
+def back_over_step(
+    phi: FloatArray, mu: FloatArray, big_lambda: FloatArray, work: FloatArray
+) -> None:
+    """Phi' mu and Phi' Lambda Phi."""
+    back, changed = work[3], work[9]
+    for i in range(ROW):
+        changed[i] = 0.0
+    for k in range(15):
+        for i in range(ROW):
+            changed[i] += phi[ROW * k + i] * mu[k]
+    for i in range(ROW):
+        mu[i] = changed[i]
+    transpose(phi, back)
+    sandwich(back, big_lambda, work[4], work[5])
+    symmetrise(big_lambda)
 
 
 @_compiled
@@ -384,19 +440,15 @@ def run_smoother(
     innovations: FloatArray, weights: FloatArray, errors: FloatArray, mu_last: FloatArray,
     lambda_last: FloatArray, work: FloatArray, states: FloatArray, variances: FloatArray,
 ) -> None:  # fmt: skip
-    """Smooth all strides from the last to the first, see eskf.run_smoother; states in place.
-
-    With P after an update, K H = P D, where D holds the weights 1 / R on its diagonal, and
-    H' S⁻¹ H = D - D P D: so no inverse is needed on the way back.
-    """
-    p, big_lambda, known, other, spare = work[0], work[1], work[2], work[3], work[4]
-    mu, error, before, between, changed = work[5], work[6], work[7], work[8], work[9]
+    """Smooth all strides from the last to the first, see eskf.run_smoother; states in place."""
+    p, phi, big_lambda, lambda_p = work[0], work[1], work[2], work[3]
+    mu, error, before, between = work[6], work[7], work[8], work[9]
     for i in range(15):
         mu[i] = mu_last[i]
-    for i in range(240):
+    for i in range(SIZE):
         big_lambda[i] = lambda_last[i]
     for g in range(len(ends), -1, -1):
-        for i in range(240):
+        for i in range(SIZE):
             p[i] = covariances[g, i]
         end = ends[g - 1] if g > 0 else 0
         times_vector(p, mu, error)  # smoothed error P mu
@@ -407,12 +459,12 @@ def run_smoother(
                 for i in range(15):
                     between[i] = (1 - later) * error[i] + later * before[i]
                 correct(states, k, between)
-        multiply(big_lambda, p, known)
+        multiply(big_lambda, p, lambda_p)
         for i in range(15):  # diagonal of P - P Lambda P
-            variances[g, i] = p[17 * i]
+            variances[g, i] = p[DIAGONAL * i]
         for k in range(15):
             for i in range(15):
-                variances[g, i] -= p[16 * k + i] * known[16 * k + i]
+                variances[g, i] -= p[ROW * k + i] * lambda_p[ROW * k + i]
         if g == 0:
             break
         observed = False
@@ -420,26 +472,7 @@ def run_smoother(
             before[i] = error[i] + errors[g - 1, i]
             observed |= weights[g - 1, i] > 0
         if observed:
-            # mu + D (z - K z - P mu), and with C' = 1 - D P: C' Lambda C + D - D P D
-            identity(spare)
-            for i in range(15):
-                weight = weights[g - 1, i]
-                mu[i] += weight * (innovations[g - 1, i] - before[i])
-                for j in range(15):
-                    spare[16 * i + j] -= weight * p[16 * i + j]
-            sandwich(spare, big_lambda, known, other)
-            for i in range(15):
-                for j in range(15):
-                    big_lambda[16 * i + j] += spare[16 * i + j] * weights[g - 1, j]
-        for i in range(240):
-            spare[i] = transitions[g - 1, i]
-        for i in range(16):
-            changed[i] = 0.0
-        for k in range(15):  # Phi' mu
-            for i in range(16):
-                changed[i] += spare[16 * k + i] * mu[k]
-        for i in range(16):
-            mu[i] = changed[i]
-        transpose(spare, p)
-        sandwich(p, big_lambda, known, other)  # Phi' Lambda Phi
-        symmetrise(big_lambda)
+            back_over_update(p, before, innovations, weights, g - 1, mu, big_lambda, work)
+        for i in range(SIZE):
+            phi[i] = transitions[g - 1, i]
+        back_over_step(phi, mu, big_lambda, work)

@@ -11,6 +11,7 @@ a covariance.
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -80,7 +81,7 @@ class Problem(NamedTuple):
 
 
 class Update(NamedTuple):
-    """What an update has computed, for the smoother too."""
+    """What an update has computed."""
 
     state: NavigationState
     covariance: FloatArray
@@ -223,7 +224,14 @@ def zero_updates(
         components += [3, 4, 5]
         z.append(gyr.sum(axis=0) / len(gyr) - state.gyr_bias_radps)
         r += [noise.rate + noise.gyr] * 3
-    return np.concatenate(z), _EYE15[components], np.array(r) / dt_s
+    return np.concatenate(z), _rows_of_identity(tuple(components)), np.array(r) / dt_s
+
+
+@cache
+def _rows_of_identity(components: tuple[int, ...]) -> FloatArray:
+    h = _EYE15[list(components)]
+    h.setflags(write=False)  # all strides share it
+    return h
 
 
 def smooth(
@@ -245,11 +253,16 @@ def smooth(
 
 
 def back_over_update(
-    mu: FloatArray, big_lambda: FloatArray, z: FloatArray, h: FloatArray, done: Update
+    mu: FloatArray,
+    big_lambda: FloatArray,
+    z: FloatArray,
+    h: FloatArray,
+    gain: FloatArray,
+    information: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """Before an update: μ → C' μ + H' S⁻¹ z and Λ → C' Λ C + H' S⁻¹ H, where C = 1 - K H."""
-    c = _EYE15 - done.gain @ h
-    weighted = h.T @ done.information
+    c = _EYE15 - gain @ h
+    weighted = h.T @ information
     return c.T @ mu + weighted @ z, c.T @ big_lambda @ c + weighted @ h
 
 
@@ -302,7 +315,8 @@ class Filtered(NamedTuple):
     nis: FloatArray  # (n,), 0 but at the last sample of a stride with an update
     nis_dof: NDArray[np.int64]  # (n,), number of observations
     transitions: list[FloatArray]
-    updates: list[tuple[FloatArray, FloatArray, Update] | None]  # z, H, Update
+    updates: list[tuple[FloatArray, FloatArray, FloatArray, FloatArray] | None]  # z, H, K, S⁻¹
+    corrections: FloatArray  # (m, 15), K z; zeros without an update
 
 
 def run_filter(problem: Problem, start: NavigationState, covariance: FloatArray) -> Filtered:
@@ -319,7 +333,8 @@ def run_filter(problem: Problem, start: NavigationState, covariance: FloatArray)
     """
     count, strides = len(problem.dt), len(problem.ends)
     states, covariances = np.empty((count + 1, 16)), np.empty((strides + 1, 15, 15))
-    result = Filtered(states, covariances, np.zeros(count), np.zeros(count, np.int64), [], [])
+    nis, nis_dof = np.zeros(count), np.zeros(count, np.int64)
+    result = Filtered(states, covariances, nis, nis_dof, [], [], np.zeros((strides, 15)))
     state, begin, up = start, 0, world_up(start)
     states[0], covariances[0] = as_row(start), covariance
     for g, end in enumerate(problem.ends.tolist()):
@@ -341,7 +356,8 @@ def run_filter(problem: Problem, start: NavigationState, covariance: FloatArray)
             result_of = update(state, covariance, z, h, r)
             state, covariance = result_of.state, result_of.covariance
             result.nis[end - 1], result.nis_dof[end - 1] = result_of.nis, len(z)
-            done = (z, h, result_of)
+            done = (z, h, result_of.gain, result_of.information)
+            result.corrections[g] = result_of.error
         path[-1] = state
         states[begin + 1 : end + 1] = [as_row(each) for each in path]
         covariances[g + 1] = covariance
@@ -380,15 +396,15 @@ def run_smoother(
             errors[bounds[g] + 1 : bounds[g + 1]] = (1 - later) * error + later * before_update
         if g == 0:
             break
-        before_update = error
+        before_update = error + filtered.corrections[g - 1]
         done = filtered.updates[g - 1]
         if done is not None:
-            z, h, result = done
-            before_update = error + result.error
-            mu, big_lambda = back_over_update(mu, big_lambda, z, h, result)
+            mu, big_lambda = back_over_update(mu, big_lambda, *done)
         mu, big_lambda = back_over_step(mu, big_lambda, filtered.transitions[g - 1])
-    rows = [corrected_state(from_row(x), e) for x, e in zip(filtered.states, errors, strict=True)]
-    return np.array([as_row(each) for each in rows]), variances
+    states = np.empty_like(filtered.states)
+    for k, error in enumerate(errors):
+        states[k] = as_row(corrected_state(from_row(filtered.states[k]), error))
+    return states, variances
 
 
 def stride_ends(
