@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import dataclasses
 import numbers
-import sys
 from collections.abc import Collection
 from decimal import Decimal
 from typing import Any, TypeVar
@@ -321,11 +320,9 @@ def one_of(name: str, value: Choice, choices: Collection[Choice]) -> Choice:
     mobility_imu.errors.InputError: form = 'prnted': expected 'corrected' or 'printed'
     """
     for choice in choices:
-        # Of one type first: arrays have no single truth value, and True does not mean 1.
-        alike = isinstance(value, type(choice)) and isinstance(value, bool) == isinstance(
-            choice, bool
-        )
-        if alike and value == choice:
+        # Of one kind first: arrays have no single truth value, and True does not mean 1.
+        real, wanted = _is_real(type(value)), _is_real(type(choice))
+        if real == wanted and (real or isinstance(value, type(choice))) and value == choice:
             return choice
     names = [repr(choice) for choice in choices]
     expected = " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
@@ -389,7 +386,7 @@ def as_count(value: Any, name: str, *, least: int = 1) -> int:
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     whole = _is_real(type(value)) and isinstance(value, numbers.Integral)
-    if not whole or not least <= value <= sys.maxsize:
+    if not whole or value < least:
         raise InputError(f"{name} = {shown(value)}: expected a whole number of {least} or more")
     return int(value)
 

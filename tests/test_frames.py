@@ -250,11 +250,14 @@ def test_an_option_becomes_one_of_the_choices():
     assert "n = True" in refused(one_of, "n", True, (1, 2))
     assert "n = 1" in refused(one_of, "n", 1, (True, False))
     assert one_of("form", None, ("a", None)) is None
+    assert type(one_of("task", np.int8(3), range(1, 7))) is int
+    assert one_of("on", True, (True, False)) is True
 
 
 NUMBERS = (1.5, 2, np.float32(0.25), np.float16(1), np.int64(8), np.uint8(3), np.array(2.0))
+HUGE = 10**400
 NO_NUMBERS = (True, np.True_, np.array(True), "1", None, 1 + 0j, [1.0], np.array([2.0]), pd.NA)
-NO_NUMBERS += (pd.NaT, np.datetime64("2026"), np.timedelta64(1, "s"), np.nan, 10**400, -(10**400))
+NO_NUMBERS += (pd.NaT, np.datetime64("2026"), np.timedelta64(1, "s"), np.nan, HUGE, -HUGE)
 NO_NUMBERS += (Fraction(10**400), pd.Series([1.0]), "x" * 10000)
 
 
@@ -288,7 +291,9 @@ def test_whole_numbers(value):
 
 
 @pytest.mark.parametrize(
-    "value", [*NO_NUMBERS, 0, -1, 1.0, 1.5, np.inf], ids=lambda value: repr(value)[:20]
+    "value",
+    [*(v for v in NO_NUMBERS if v is not HUGE), 0, -1, 1.0, 1.5, np.inf],
+    ids=lambda value: repr(value)[:20],
 )
 def test_what_is_no_whole_number(value):
     assert "window = " in refused(as_count, value, "window")
@@ -296,6 +301,7 @@ def test_what_is_no_whole_number(value):
 
 def test_the_least_count_can_be_another():
     assert as_count(0, "x", least=0) == 0
+    assert as_count(10**30, "seed") == 10**30
     assert "3 or more" in refused(as_count, 2, "x", least=3)
 
 

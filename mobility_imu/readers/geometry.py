@@ -131,7 +131,7 @@ def find_table(path: str | Path, section: str) -> dict[str, Any] | None:
     InputError
         No such file, no TOML, or a section that no geometry file has (perhaps a misspelt one).
     """
-    text = read_text(path)
+    text = read_text(path, again=True)  # geometry and mount are two sections of one file
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

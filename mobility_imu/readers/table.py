@@ -28,12 +28,13 @@ _NUMBER = re.compile(
 )
 
 
-def read_text(path: str | Path) -> str:
+def read_text(path: str | Path, *, again: bool = False) -> str:
     """Content of a text file; a name that ends in ``.gz`` is unpacked.
 
     Parameters
     ----------
     path : file, or a pipe
+    again : whether it is read more than once, which no pipe allows
 
     Returns
     -------
@@ -46,7 +47,7 @@ def read_text(path: str | Path) -> str:
     """
     path = Path(path)
     try:
-        raw = _read_bytes(path)
+        raw = _read_bytes(path, again)
         if path.suffix == ".gz":
             raw = gzip.decompress(raw)
         text = raw.decode("utf-8-sig")
@@ -64,10 +65,12 @@ def read_text(path: str | Path) -> str:
     return text
 
 
-def _read_bytes(path: Path) -> bytes:
+def _read_bytes(path: Path, again: bool) -> bytes:
     mode = path.stat().st_mode
     if stat.S_ISDIR(mode):
         raise InputError(f"{path}: is a folder, expected a file")
+    if again and stat.S_ISFIFO(mode):
+        raise InputError(f"{path}: is a pipe, which can be read only once; expected a file")
     # Some devices never end.
     if not (stat.S_ISREG(mode) or stat.S_ISFIFO(mode)):
         raise InputError(f"{path}: is a device or socket, expected a file")

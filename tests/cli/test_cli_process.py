@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from command_lines import COURT, velocity
+from command_lines import velocity
 
 MODULE = [sys.executable, "-m", "mobility_imu"]
 
@@ -40,15 +40,15 @@ def test_standard_output_on_a_full_disk(tmp_path):
 
 def test_interrupted_while_it_waits_for_its_input(tmp_path):
     """Ctrl-C: exit code 130, one line, nothing left behind."""
-    os.mkfifo(tmp_path / "slow.toml")
-    options = map(str, velocity(geometry="slow.toml"))
+    os.mkfifo(tmp_path / "slow.csv")
+    options = map(str, velocity("slow.csv"))
     command = subprocess.Popen(
         [*MODULE, *options], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
-    with open(tmp_path / "slow.toml", "w") as geometry:  # waits until the command reads it
-        geometry.write((COURT / "geometry.toml").read_text())
-        geometry.flush()
+    with open(tmp_path / "slow.csv", "w") as recording:  # waits until the command reads it
+        recording.write("time_s,")
+        recording.flush()
         command.send_signal(signal.SIGINT)
         _, message = command.communicate(timeout=60)
     assert (command.returncode, message) == (130, "mobility-imu: interrupted\n")
-    assert [path.name for path in tmp_path.iterdir()] == ["slow.toml"]
+    assert [path.name for path in tmp_path.iterdir()] == ["slow.csv"]

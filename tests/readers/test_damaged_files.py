@@ -127,6 +127,13 @@ def test_a_pipe_is_read(tmp_path):
     writer.join()
 
 
+def test_a_geometry_is_no_pipe(tmp_path):
+    """Its sections are read one after the other: the second time, a pipe would never end."""
+    os.mkfifo(tmp_path / "pipe")
+    assert "is a pipe" in refused(read_section, tmp_path / "pipe", "walker", ["a"])
+    assert "is a pipe" in refused(read_arrays, tmp_path / "pipe", "walker.mount", {"a": (3,)})
+
+
 def test_files_of_a_recording(tmp_path):
     path = write(tmp_path / "r.csv", RECORDING)
     assert recording_files(path) == [path]
