@@ -137,7 +137,7 @@ def lowest(step: Step) -> str:
         cwd=sources,
         PYTHONPATH=str(sources),
         # Oldest versions here, newest beneath them: what those call deprecated is not our fault.
-        PYTEST_ADDOPTS="-o filterwarnings=",
+        PYTEST_ADDOPTS="-o filterwarnings=ignore",
         NUMBA_CACHE_DIR=str(step.folder / "numba"),
         **ONE_THREAD,
     )
