@@ -59,9 +59,10 @@ def modules_reached(notebook: Path) -> set[Path]:
 
 
 def data_reached(notebook: Path, modules: set[Path]) -> list[Path]:
-    """Data files in the folders that a notebook or its modules name."""
-    text = code_of(notebook) + "".join(m.read_text() for m in modules)
-    folders = [f for f in DATA.iterdir() if f.is_dir() and f'"{f.name}"' in text]
+    """Data files in the folders that a notebook or its modules ask :mod:`mobility_imu.data` for."""
+    asking = [m.read_text() for m in modules if m.name != "data.py"]
+    text = code_of(notebook) + "".join(asking)
+    folders = [f for f in DATA.iterdir() if f.is_dir() and f"{f.name}_folder" in text]
     inside = [p for folder in folders for p in folder.rglob("*") if p.is_file()]
     beside = [p for m in modules for p in m.parent.glob("*.toml")]
     return sorted({*inside, *beside})
