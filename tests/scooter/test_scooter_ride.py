@@ -1,4 +1,4 @@
-"""Scooter, the door: a ride's angles for Python users are those of the command, with its doubts."""
+"""Scooter, the door: a ride's angles for Python users are those of the command, with its warnings."""
 
 import copy
 import pickle
