@@ -227,7 +227,7 @@ def _estimate(
             angles = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
         else:
             angles = _closed_form(acc, geometry, mount, settings)
-            warnings += _doubts_of_median(settings.median_window, ride.sampling_rate_hz)
+            warnings += _median_warnings(settings.median_window, ride.sampling_rate_hz)
     except InputError as error:
         raise InputError(f"{ride.source}: {error}") from None
     steering, throttle, steering_sd, throttle_sd, valid = angles
@@ -305,7 +305,7 @@ def _closed_form(
     return found.steering_rad, found.throttle_rad, *sd, found.valid
 
 
-def _doubts_of_median(window: int, sampling_rate_hz: float) -> list[str]:
+def _median_warnings(window: int, sampling_rate_hz: float) -> list[str]:
     span = window / sampling_rate_hz
     low, high = PAPER_MEDIAN_S
     if window == 1 or low <= span <= high:

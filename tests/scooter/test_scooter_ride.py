@@ -1,4 +1,4 @@
-"""Scooter, the door: a ride's angles for Python users are those of the command, with its doubts."""
+"""Scooter, the door: what Python users get of a ride is what the command writes."""
 
 import copy
 import pickle
