@@ -28,7 +28,7 @@ Choice = TypeVar("Choice")
 STANDARD_GRAVITY_MPS2 = 9.80665
 """What an ideal accelerometer at rest reads in total, m/s² (standard gravity)."""
 GAP_FACTOR = 1.5
-"""A time step longer than this many usual ones is a gap: at 1.5 a sample is missing."""
+"""A time step longer than this many usual ones is a gap; at 1.5 a sample is missing."""
 SHORTEST_STEP_S, LONGEST_STEP_S = 1e-9, 1e9
 """Between these lies the usual step of any clock in seconds."""
 LONGEST_SHOWN = 60

@@ -100,7 +100,7 @@ class Recording(Result):
                 raise InputError(
                     f"{self.source}: sensor {shown(name)} is {shown(imu)}, expected an Imu"
                 )
-            _check_imu(name, imu, len(time_s), self.source)
+            _check_imu(name, imu, time_s, self.source)
         object.__setattr__(self, "time_s", time_s)
         object.__setattr__(self, "sensors", MappingProxyType(dict(self.sensors)))
         super().__post_init__()
@@ -240,7 +240,8 @@ class Recording(Result):
         return Recording(time_s, sensors, source=self.source)
 
 
-def _check_imu(name: str, imu: Imu, count: int, source: str) -> None:
+def _check_imu(name: str, imu: Imu, time_s: FloatArray, source: str) -> None:
+    count = len(time_s)
     for quantity, values in (("acc", imu.acc_mps2), ("gyr", imu.gyr_radps)):
         if values is None:
             continue
@@ -254,10 +255,10 @@ def _check_imu(name: str, imu: Imu, count: int, source: str) -> None:
                 f"{label}_{'xyz'[axis]}: sample {k} is {values[k, axis]}, expected a finite number "
                 f"({int(bad.sum())} such value(s))"
             )
-    _check_units(name, imu, source)
+    _check_units(name, imu, time_s, source)
 
 
-def _check_units(name: str, imu: Imu, source: str) -> None:
+def _check_units(name: str, imu: Imu, time_s: FloatArray, source: str) -> None:
     with np.errstate(over="ignore"):  # huge numbers are refused below
         squared = np.einsum("ij,ij->i", imu.acc_mps2, imu.acc_mps2)  # three times as fast as norm
         acc = float(np.sqrt(np.median(squared)))
@@ -281,10 +282,11 @@ def _check_units(name: str, imu: Imu, source: str) -> None:
         )
     largest = max(float(imu.acc_mps2.max()), -float(imu.acc_mps2.min()))
     if largest > LARGEST_ACC_MPS2:
-        k = int(np.argmax(np.abs(imu.acc_mps2).max(axis=1)))
+        k, axis = (int(i) for i in np.argwhere(np.abs(imu.acc_mps2) > LARGEST_ACC_MPS2)[0])
         raise InputError(
-            f"{source}: {name}_acc reaches {largest:.4g} m/s² at sample {k}, more than any such "
-            f"sensor measures ({LARGEST_ACC_MPS2:g})"
+            f"{source}: {name}_acc_{'xyz'[axis]} is {imu.acc_mps2[k, axis]:.4g} m/s² at "
+            f"{time_s[k]:g} s (sample {k}), more than any such sensor measures "
+            f"({LARGEST_ACC_MPS2:g}): correct or remove it"
         )
     if imu.gyr_radps is not None:
         fastest = float(np.abs(imu.gyr_radps).max())

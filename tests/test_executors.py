@@ -31,11 +31,7 @@ from mobility_imu.simulation.wheelchair import (
     simulate_drive,
 )
 from mobility_imu.walker import estimate_trajectory
-from mobility_imu.wheelchair import WheelchairGeometry, calibrate, estimate_velocity
-
-CHAIR = WheelchairGeometry.from_degrees(
-    19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
-)
+from mobility_imu.wheelchair import SAMPLE_CHAIR, calibrate_mount, estimate_velocity
 
 
 @contextmanager
@@ -127,10 +123,12 @@ def test_scooter_study(executor):
 def test_wheelchair_drives_and_velocities(executor):
     mounting = random_mounting(1)
     drive = partial(simulate_drive, seed=1)
-    legs = [(trial, CHAIR, mounting) for trial in (STATIC_TRIAL, STRAIGHT_TRIAL, COURT)]
+    legs = [(trial, SAMPLE_CHAIR, mounting) for trial in (STATIC_TRIAL, STRAIGHT_TRIAL, COURT)]
     static, straight, court = (one.recording for one in same(drive, legs, executor))
-    calibration = calibrate(static, straight)
-    same(estimate_velocity, [(court, calibration, CHAIR)] * 2, executor)
+    mount = calibrate_mount(static, straight).mount
+    same(estimate_velocity, [(court, SAMPLE_CHAIR, mount)] * 2, executor)
+    listed = estimate_velocity([court, court], SAMPLE_CHAIR, mount, executor=executor)
+    assert list(parts(listed[0])) == list(parts(listed[1]))
 
 
 def test_walker_walks_and_paths(executor):
@@ -138,7 +136,7 @@ def test_walker_walks_and_paths(executor):
     (tilts, _), *_ = same(tilt_run, [(seed, "1", level) for seed in (0, 1)], executor)
     motion = simulate_walk(RECTANGLE, seed=1, imperfections=level.imperfections)
     walk = attach_imu(motion, tilts.mount, level.sensor, seed=1, unit_seed=1)
-    same(estimate_trajectory, [(walk.recording, walk.mount)] * 2, executor)
+    same(estimate_trajectory, [(walk.recording, None, walk.mount)] * 2, executor)
 
 
 def test_walker_study(executor):

@@ -70,7 +70,7 @@ def test_modules_import_only_the_core_before_they_are_asked_for_more():
             else:
                 continue
             # numba: make check STEP=nonumba
-            foreign = names - set(sys.stdlib_module_names) - CORE - {"mobility_imu", "numba"}
+            foreign = names - set(sys.stdlib_module_names) - CORE - {"mobility_imu"}
             assert not foreign, f"{path.name} imports {foreign} at once"
 
 

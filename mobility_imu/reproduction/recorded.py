@@ -10,6 +10,7 @@ import ast
 import hashlib
 import importlib
 import json
+import os
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -246,6 +247,8 @@ def main(arguments: list[str] | None = None) -> None:
     unknown = set(given.names) - set(STUDIES)
     if unknown:
         parser.error(f"no such record: {', '.join(sorted(unknown))}")
+    # Compiled from the first call on: readable forms differ in the last digits.
+    os.environ.setdefault("MOBILITY_IMU_COMPILE", "always")
     # New processes, not copies of this one: works alike on every system.
     with ProcessPoolExecutor(given.workers, mp_context=get_context("spawn")) as pool:
         for name in given.names or STUDIES:

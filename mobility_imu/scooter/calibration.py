@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage, optimize
 from scipy.spatial.transform import Rotation
 
@@ -39,6 +40,11 @@ SHORTEST_STILL_S = 0.8
 """Seconds that a pose is held at least."""
 POSE_SD_RAD = float(np.deg2rad(0.5))
 """Standard deviation of the controls' angles at their stops."""
+ACC_BIAS_SD, ACC_SCALE_SD, ACC_MISALIGNMENT_SD_RAD = 0.005, 0.003, float(np.deg2rad(0.2))
+"""Assumed errors of an accelerometer, sd on each axis: bias (of gravity), scale, lean of the axis.
+
+They are those of the usual factory calibration; parked poses do not show them.
+"""
 PRIOR_SD_RAD = float(np.deg2rad(2.0))
 """Standard deviation of a mount about each axis before anything was measured."""
 UNSEEN_FRACTION = 0.8
@@ -194,16 +200,30 @@ def mount_from_poses(
     steering = np.array([p.steering_rad for p in poses])
     throttle = np.array([p.throttle_rad for p in poses])
 
+    stops = _Stops.of(steering, throttle)
+
+    def apart(turns: FloatArray, faults: FloatArray) -> FloatArray:
+        """Misfit of eq. 5 with faults: of the stops' angles, then bias and axes of each sensor."""
+        off, of_lever, of_body = faults[:-24], faults[-24:-12], faults[-12:]
+        seen = _spoilt(lever, of_lever) @ Rotation.from_rotvec(turns[:3]).as_matrix().T
+        upright = _spoilt(body, of_body) @ Rotation.from_rotvec(turns[3:]).as_matrix().T
+        believed = stops.steering(steering, off), stops.throttle(throttle, off)
+        return np.asarray((seen - lever_acceleration(upright, *believed, geometry)).ravel())
+
+    none = np.zeros(stops.number + 24)
+
     def misfit(turns: FloatArray) -> FloatArray:
-        seen = lever @ Rotation.from_rotvec(turns[:3]).as_matrix().T
-        upright = body @ Rotation.from_rotvec(turns[3:]).as_matrix().T
-        apart = seen - lever_acceleration(upright, steering, throttle, geometry)
-        return np.asarray(np.r_[apart.ravel() / pose_sd, turns / prior_sd])
+        return np.asarray(np.r_[apart(turns, none) / pose_sd, turns / prior_sd])
 
     found = optimize.least_squares(misfit, np.zeros(6), method="lm")
     if not found.success:
         raise InputError(f"the poses fit no mount: the least squares did not end ({found.message})")
-    sd = np.sqrt(np.diag(np.linalg.inv(found.jac.T @ found.jac)))
+    axes = np.where(np.eye(3, dtype=bool), ACC_SCALE_SD, ACC_MISALIGNMENT_SD_RAD).ravel()
+    of_sensor = np.r_[np.full(3, ACC_BIAS_SD), axes]
+    fault_sd = np.r_[np.full(stops.number, pose_sd), of_sensor, of_sensor]
+    step = 1e-5 * np.eye(len(none))
+    by_fault = [(apart(found.x, d) - apart(found.x, -d)) / 2e-5 for d in step]
+    sd = _standard_deviations(found.jac, np.transpose(by_fault) * fault_sd / pose_sd)
     unseen = tuple(
         name
         for name, spread in zip(DIRECTIONS, sd, strict=True)
@@ -215,6 +235,51 @@ def mount_from_poses(
     )
     turns = (Rotation.from_rotvec(part).as_matrix() for part in (found.x[:3], found.x[3:]))
     return ScooterCalibration(ScooterMount(*turns), sd, unseen, geometry, warnings)
+
+
+class _Stops(NamedTuple):
+    """Stops of both controls: poses with the same believed angle have the same error of it."""
+
+    of_steering: NDArray[np.intp]
+    of_throttle: NDArray[np.intp]
+    number: int
+
+    @classmethod
+    def of(cls, steering_rad: FloatArray, throttle_rad: FloatArray) -> _Stops:
+        """Number the stops of each control; those of the throttle follow those of the steering."""
+        one, of_steering = np.unique(steering_rad.round(6), return_inverse=True)
+        other, of_throttle = np.unique(throttle_rad.round(6), return_inverse=True)
+        return cls(of_steering, len(one) + of_throttle, len(one) + len(other))
+
+    def steering(self, angle_rad: FloatArray, off_rad: FloatArray) -> FloatArray:
+        """Steering angle of each pose with the errors of the stops added."""
+        return np.asarray(angle_rad + off_rad[self.of_steering])
+
+    def throttle(self, angle_rad: FloatArray, off_rad: FloatArray) -> FloatArray:
+        """Throttle angle of each pose with the errors of the stops added."""
+        return np.asarray(angle_rad + off_rad[self.of_throttle])
+
+
+def _spoilt(directions: FloatArray, faults: FloatArray) -> FloatArray:
+    """Readings of a sensor, (n, 3), with a bias (three numbers) and errors of its axes (nine)."""
+    return np.asarray(directions @ (np.eye(3) + faults[3:].reshape(3, 3)).T + faults[:3])
+
+
+def _standard_deviations(by_turns: FloatArray, by_faults: FloatArray) -> FloatArray:
+    """Standard deviations of the least-squares turns, rad.
+
+    The gain of the least squares carries the misfit over to the turns. What disturbs the misfit is
+    not a new error in each pose: a stop's error comes back whenever that stop is used, and those
+    of the sensors in every pose. The last six rows are the prior, of which the truth is one draw.
+
+    Parameters
+    ----------
+    by_turns : (m + 6, 6) array, Jacobian of the weighted misfit
+    by_faults : (m, k) array, change of the weighted misfit by each fault of one standard deviation
+    """
+    gain = np.linalg.solve(by_turns.T @ by_turns, by_turns.T)
+    seen, prior = gain[:, :-6] @ by_faults, gain[:, -6:]
+    return np.asarray(np.sqrt((seen**2).sum(axis=1) + (prior**2).sum(axis=1)))
 
 
 def find_stills(parked: Recording) -> list[slice]:

@@ -161,6 +161,9 @@ def test_any_executor_gives_the_same_numbers():
                 self.waiting = [None]
             return self.done.pop()
 
+        def cancel(self):
+            return False
+
     def study(executor):
         return calibration_study(
             [0, 1], REALISTIC, variants=PAPERS_WAY, poses=["2"], executor=executor

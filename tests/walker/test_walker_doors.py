@@ -183,10 +183,9 @@ def test_a_reading_beyond_any_sensor_is_one_clear_error(value, door):
     recording = walked().recording if door is estimate_trajectory else tilt_recording()
     acc = recording.sensors["frame"].acc_mps2.copy()
     acc[120, 2] = value
-    spoilt = rebuilt(recording, acc=acc)
     arguments = (FRAME, MOUNT) if door is estimate_trajectory else (FRAME,)
     with pytest.raises(InputError, match=r"frame_acc_z is .* at 1\.2 s \(sample 120\)"):
-        door(spoilt, *arguments)
+        door(rebuilt(recording, acc=acc), *arguments)
 
 
 def test_an_offset_of_the_gyroscope_is_not_called_a_unit():
