@@ -61,7 +61,7 @@ def test_simulated_sensors_are_the_derivatives_of_their_path_in_the_room(sensor)
             ]
         )
     place, turn = mounting[sensor].position_m, mounting[sensor].rotation_body_to_imu
-    path = room + chair_to_room.apply(origin + body_to_chair.apply(place))
+    path = room + chair_to_room.apply(origin + body_to_chair.apply(np.array(place)))
     imu_to_room = chair_to_room * body_to_chair * Rotation.from_matrix(turn.T)
     acc = (path[2:] - 2 * path[1:-1] + path[:-2]) * rate**2
     force = imu_to_room[1:-1].inv().apply(acc + np.array([0, 0, STANDARD_GRAVITY_MPS2]))

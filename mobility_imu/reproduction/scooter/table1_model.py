@@ -25,6 +25,7 @@ from mobility_imu.reproduction.scooter.static_table import (
     STEERING_POSITIONS_RAD,
     THROTTLE_POSITIONS_RAD,
 )
+from mobility_imu.results import Result
 from mobility_imu.scooter.angles import three_axis_angles
 from mobility_imu.scooter.geometry import (
     SUZUKI_ET4D,
@@ -160,8 +161,8 @@ def cell_sd(table_deg: FloatArray, floor_deg: float = FLOOR_DEG) -> FloatArray:
     return np.maximum(floor_deg, table_deg * [SHARE_MAE, SHARE_SD, SHARE_MAE, SHARE_SD])
 
 
-@dataclass(frozen=True)
-class TableCost:
+@dataclass(frozen=True, eq=False, repr=False)
+class TableCost(Result):
     """Misfit of a model to a table and its distance from the priors.
 
     Parameters

@@ -25,6 +25,7 @@ from mobility_imu.frames import (
     one_of,
 )
 from mobility_imu.recording import Imu
+from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.simulation.checks import check_kind
 from mobility_imu.simulation.profiles import least_jerk, least_jerk_bend, least_jerk_slope
@@ -64,8 +65,8 @@ class Leg:
             raise InputError(f"Leg.slope_deg = {self.slope_deg:g}: expected up to 45 deg")
 
 
-@dataclass(frozen=True, eq=False)
-class Mounting:
+@dataclass(frozen=True, eq=False, repr=False)
+class Mounting(Result):
     """How one IMU sits on its body.
 
     Parameters
@@ -83,6 +84,7 @@ class Mounting:
         place = as_vectors(self.position_m, "position_m", ndim=1, finite=True)
         object.__setattr__(self, "rotation_body_to_imu", rotation)
         object.__setattr__(self, "position_m", place)
+        super().__post_init__()
 
 
 def random_mounting(seed: int) -> dict[str, Mounting]:
