@@ -5,7 +5,6 @@ Each function returns the contents by file name, tables and texts; nothing is wr
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TypeAlias
 
@@ -40,7 +39,7 @@ from mobility_imu.simulation.wheelchair import (
 )
 from mobility_imu.walker.geometry import WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
-from mobility_imu.wheelchair.geometry import WheelchairGeometry
+from mobility_imu.wheelchair.geometry import SAMPLE_CHAIR
 
 __all__ = [
     "SCOOTER_FILES",
@@ -142,16 +141,13 @@ def wheelchair_bundle(seed: int) -> Contents:
     InputError
         If the seed is negative or not whole.
     """
-    chair = WheelchairGeometry.from_degrees(
-        19, wheel_radius_left_m=0.3147, wheel_radius_right_m=0.3195, track_m=0.84
-    )
     mounting = random_mounting(seed)
     drives = [
-        simulate_drive(legs, chair, mounting, seed=1000 * seed + k)
+        simulate_drive(legs, SAMPLE_CHAIR, mounting, seed=1000 * seed + k)
         for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
     ]
     contents = (
-        _wheelchair_section(chair),
+        SAMPLE_CHAIR.to_toml(),
         *(drive.recording.to_frame() for drive in drives),
         drives[-1].truth(),
     )
@@ -212,24 +208,10 @@ def _reference(ride: SimulatedRide) -> pd.DataFrame:
 
 
 def _scooter_section(geometry: ScooterGeometry) -> str:
-    return _section(
-        "scooter",
-        {
-            "steering_inclination_deg": round(np.rad2deg(geometry.steering_inclination_rad), 9),
-            "lever_inclination_deg": round(np.rad2deg(geometry.lever_inclination_rad), 9),
-        },
-    )
-
-
-def _wheelchair_section(geometry: WheelchairGeometry) -> str:
-    return _section(
-        "wheelchair",
-        {
-            "camber_deg": round(np.rad2deg(geometry.camber_rad), 9),
-            "wheel_radius_left_m": geometry.wheel_radius_left_m,
-            "wheel_radius_right_m": geometry.wheel_radius_right_m,
-            "track_m": geometry.track_m,
-        },
+    alpha, beta = np.rad2deg([geometry.steering_inclination_rad, geometry.lever_inclination_rad])
+    return (
+        f"[scooter]\nsteering_inclination_deg = {float(round(alpha, 9))}\n"
+        f"lever_inclination_deg = {float(round(beta, 9))}\n"
     )
 
 
@@ -244,9 +226,3 @@ def _mount_section(mount: WalkerMount) -> str:
     rotation = [[round(float(v), 6) for v in row] for row in mount.rotation_imu_to_body]
     place = [round(float(v), 4) for v in mount.translation_body_m]
     return f"[walker.mount]\nrotation_imu_to_body = {rotation}\ntranslation_body_m = {place}\n"
-
-
-def _section(name: str, values: Mapping[str, float]) -> str:
-    """Section of a geometry file."""
-    lines = [f"[{name}]", *(f"{key} = {float(value)}" for key, value in values.items())]
-    return "\n".join(lines) + "\n"

@@ -1,0 +1,328 @@
+"""Mutations: small faults put into the estimators one at a time, each judged by its module's tests.
+
+    python checks/mutations.py [--count 200] [--seed 12] [--workers 2] [--only MODULE ...]
+
+A mutation is killed if a test of the module's own files fails, or they no longer end in time. The
+draw is the same for the same seed and sources. Texts, annotations, messages of errors and what only
+the interpreter's import needs are left alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from queue import Queue
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+DEVICES = ("scooter", "wheelchair", "walker")
+LEFT_OUT = {"__init__"}
+COPIED = ("mobility_imu", "tests", "benchmarks", "book", "notebooks")
+FILES = ("pyproject.toml", "README.md", "CITATION.cff", "requirements.txt")
+TIMES = 4.0
+"""Tests that take so many times as long as without a mutation count as failed."""
+
+BESIDE: dict[str, tuple[str, ...]] = {
+    "mobility_imu/hinges": ("scooter/test_scooter_angles",),
+    "scooter/calibration": ("test_scooter_ride",),
+    "scooter/geometry": ("test_scooter_angles",),
+    "scooter/mount": ("test_scooter_ride", "test_scooter_calibration"),
+    "wheelchair/check": ("test_wheelchair_outcomes",),
+    "wheelchair/codes": ("test_wheelchair_tasks",),
+    "wheelchair/series": ("test_wheelchair_inputs",),
+    "wheelchair/slip": ("test_wheelchair_court",),
+    "wheelchair/smoothing": ("test_wheelchair_doors",),
+    "walker/_kernel": ("test_walker_navigation",),
+    "walker/arc_fit": ("test_walker_uncertainty",),
+    "walker/calibration": ("test_walker_uncertainty",),
+    "walker/error_state": ("test_walker_navigation",),
+    "walker/eskf": ("test_walker_navigation",),
+    "walker/follow": ("test_walker_trajectory", "test_walker_doors"),
+    "walker/mount": ("test_walker_geometry", "test_walker_doors"),
+    "walker/stillness": ("test_walker_navigation", "test_walker_doors"),
+    "walker/trajectory": ("test_walker_uncertainty",),
+    "walker/walking_tests": ("test_walker_steps",),
+}
+"""Modules whose tests stand, all or some, in files that bear another module's name."""
+
+BINARY = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*", ast.Pow: "*", ast.MatMult: "-"}
+COMPARED = {
+    ast.Lt: ">=", ast.LtE: ">", ast.Gt: "<=", ast.GtE: "<", ast.Eq: "!=", ast.NotEq: "==",
+    ast.Is: "is not", ast.IsNot: "is",
+}  # fmt: skip
+CALLED = {
+    "sin": "cos", "cos": "sin", "minimum": "maximum", "maximum": "minimum", "min": "max",
+    "max": "min", "any": "all", "all": "any", "argmax": "argmin", "argmin": "argmax",
+    "mean": "median", "median": "mean", "floor": "ceil", "ceil": "floor", "sqrt": "abs",
+    "hypot": "add", "arctan2": "subtract", "cumsum": "sort", "nanmin": "nanmax", "nanmax": "nanmin",
+}  # fmt: skip
+
+
+class Mutation(NamedTuple):
+    """One replacement in one file: text from ``begin`` to ``end`` becomes ``new``."""
+
+    path: str
+    line: int
+    begin: int
+    end: int
+    old: str
+    new: str
+
+
+class Finder(ast.NodeVisitor):
+    """Places of one file where something can be put wrong."""
+
+    def __init__(self, path: str, text: str) -> None:
+        self.path, self.text, self.found = path, text, list[Mutation]()
+        self.starts = [0]
+        for line in text.encode().splitlines(keepends=True):
+            self.starts.append(self.starts[-1] + len(line))
+        self.raw = text.encode()
+
+    def place(self, line: int, column: int) -> int:
+        return self.starts[line - 1] + column
+
+    def span(self, node: ast.expr) -> tuple[int, int]:
+        assert node.end_lineno is not None and node.end_col_offset is not None
+        begin = self.place(node.lineno, node.col_offset)
+        return begin, self.place(node.end_lineno, node.end_col_offset)
+
+    def add(self, line: int, begin: int, end: int, new: str) -> None:
+        old = self.raw[begin:end].decode()
+        if old.strip() and old != new:
+            self.found.append(Mutation(self.path, line, begin, end, old, new))
+
+    def between(self, left: ast.expr, right: ast.expr, new: str) -> None:
+        """The operator between two operands, if nothing but it and blanks stands there."""
+        begin, end = self.span(left)[1], self.span(right)[0]
+        old = self.raw[begin:end].decode()
+        if not set(old) & set("()#[]"):
+            self.add(left.end_lineno or left.lineno, begin, end, f" {new} ")
+
+    def visit_BinOp(self, node: ast.BinOp) -> None:
+        if type(node.op) in BINARY and not isinstance(node.left, ast.Constant | ast.JoinedStr):
+            self.between(node.left, node.right, BINARY[type(node.op)])
+        elif type(node.op) in BINARY and isinstance(node.left, ast.Constant):
+            if isinstance(node.left.value, int | float):
+                self.between(node.left, node.right, BINARY[type(node.op)])
+        self.generic_visit(node)
+
+    def visit_AugAssign(self, node: ast.AugAssign) -> None:
+        other = {ast.Add: "-=", ast.Sub: "+=", ast.Mult: "/=", ast.BitAnd: "|=", ast.BitOr: "&="}
+        if type(node.op) in other:
+            begin, end = self.span(node.target)[1], self.span(node.value)[0]
+            if not set(self.raw[begin:end].decode()) & set("()#"):
+                self.add(node.lineno, begin, end, f" {other[type(node.op)]} ")
+        self.generic_visit(node)
+
+    def visit_Compare(self, node: ast.Compare) -> None:
+        if type(node.ops[0]) in COMPARED:
+            self.between(node.left, node.comparators[0], COMPARED[type(node.ops[0])])
+        self.generic_visit(node)
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> None:
+        new = "or" if isinstance(node.op, ast.And) else "and"
+        self.between(node.values[0], node.values[1], new)
+        self.generic_visit(node)
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> None:
+        if isinstance(node.op, ast.USub | ast.Not | ast.Invert):
+            begin = self.span(node)[0]
+            self.add(node.lineno, begin, self.span(node.operand)[0], " ")
+        self.generic_visit(node)
+
+    def visit_Constant(self, node: ast.Constant) -> None:
+        begin, end = self.span(node)
+        if isinstance(node.value, bool):
+            self.add(node.lineno, begin, end, str(not node.value))
+        elif isinstance(node.value, float):
+            self.add(node.lineno, begin, end, repr(2 * node.value) if node.value else "1.0")
+        elif isinstance(node.value, int):
+            self.add(node.lineno, begin, end, str(node.value + 1))
+
+    def visit_Call(self, node: ast.Call) -> None:
+        function = node.func
+        if isinstance(function, ast.Attribute) and function.attr in CALLED:
+            end = self.span(function)[1]
+            self.add(node.lineno, end - len(function.attr), end, CALLED[function.attr])
+        elif isinstance(function, ast.Name) and function.id in CALLED:
+            self.add(node.lineno, *self.span(function), CALLED[function.id])
+        self.generic_visit(node)
+
+    def visit_Raise(self, node: ast.Raise) -> None:
+        """Messages are tested by their own tests; the condition above counts."""
+
+    def visit_JoinedStr(self, node: ast.JoinedStr) -> None:
+        """Texts are left alone."""
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
+        if node.value is not None:
+            self.visit(node.value)
+
+    def visit_arguments(self, node: ast.arguments) -> None:
+        for default in [*node.defaults, *(d for d in node.kw_defaults if d is not None)]:
+            self.visit(default)
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
+        self.visit(node.args)
+        for part in node.body:
+            self.visit(part)
+
+    def visit_ClassDef(self, node: ast.ClassDef) -> None:
+        for part in node.body:
+            self.visit(part)
+
+    def visit_Subscript(self, node: ast.Subscript) -> None:
+        text = ast.unparse(node.value)
+        if text in {"Literal", "Annotated", "tuple", "list", "dict", "NDArray", "Callable"}:
+            return
+        self.generic_visit(node)
+
+
+def modules() -> list[Path]:
+    """Modules of the estimators."""
+    found = [p for device in DEVICES for p in (ROOT / "mobility_imu" / device).rglob("*.py")]
+    found += [ROOT / "mobility_imu" / "hinges.py"]
+    return sorted(p.relative_to(ROOT) for p in found if p.is_file() and p.stem not in LEFT_OUT)
+
+
+def tests_of(module: Path) -> list[str]:
+    """Test files of a module: the one of its name, and those that stand in :data:`BESIDE`."""
+    device, name = module.parent.name, module.stem
+    folder = ROOT / "tests" / device if device in DEVICES else ROOT / "tests"
+    own = f"test_{device}_{name}" if device in DEVICES else f"test_{name}"
+    files = [
+        folder / f"{own}.py",
+        *(folder / f"{n}.py" for n in BESIDE.get(f"{device}/{name}", ())),
+    ]
+    found = [str(p.relative_to(ROOT)) for p in files if p.is_file()]
+    assert found, f"{module} has no tests"
+    return found
+
+
+def drawn(count: int, seed: int, only: list[str]) -> list[Mutation]:
+    """Mutations drawn over all places of all modules."""
+    places: list[Mutation] = []
+    for module in modules():
+        text = (ROOT / module).read_text()
+        finder = Finder(str(module), text)
+        finder.visit(ast.parse(text))
+        places += finder.found
+    chosen = random.Random(seed).sample(places, min(count, len(places)))
+    print(f"{len(places)} places in {len({m.path for m in places})} modules; {len(chosen)} drawn")
+    return sorted(m for m in chosen if not only or any(name in m.path for name in only))
+
+
+def copy_of_the_project(folder: Path) -> Path:
+    """A copy in which files can be put wrong; data are only read."""
+    for name in COPIED:
+        ignore = shutil.ignore_patterns("*.nbi", "*.nbc", ".ipynb_checkpoints")
+        shutil.copytree(ROOT / name, folder / name, ignore=ignore)
+    for name in FILES:
+        shutil.copyfile(ROOT / name, folder / name)
+    (folder / "data").symlink_to(ROOT / "data", target_is_directory=True)
+    return folder
+
+
+def run(room: Path, tests: list[str], limit_s: float) -> tuple[bool, float]:
+    """Whether the tests pass in a copy, and the seconds that they took."""
+    begun = time.time()
+    environment = {
+        **os.environ, "PYTHONPATH": str(room), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
+        "PYTHONDONTWRITEBYTECODE": "1", "MOBILITY_IMU_MUTATIONS": "20",
+    }  # fmt: skip
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
+    try:
+        code = subprocess.run(
+            command, cwd=room, env=environment, timeout=limit_s,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        ).returncode  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return False, time.time() - begun
+    return code == 0, time.time() - begun
+
+
+def judge(mutation: Mutation, room: Path, limit_s: float) -> bool:
+    """Whether a mutation survives the tests of its module."""
+    path = room / mutation.path
+    raw = path.read_bytes()
+    assert raw[mutation.begin : mutation.end].decode() == mutation.old
+    path.write_bytes(raw[: mutation.begin] + mutation.new.encode() + raw[mutation.end :])
+    try:
+        return run(room, tests_of(Path(mutation.path)), limit_s)[0]
+    finally:
+        path.write_bytes(raw)
+
+
+def survivors(mutations: list[Mutation], workers: int) -> Iterator[Mutation]:
+    """Judge all mutations; yields those that no test of their module noticed."""
+    with tempfile.TemporaryDirectory() as folder:
+        rooms: Queue[Path] = Queue()
+        for k in range(workers):
+            rooms.put(copy_of_the_project(Path(folder) / str(k)))
+        limits: dict[str, float] = {}
+
+        def limit_of(path: str) -> float:
+            room = rooms.get()
+            try:
+                for _ in range(2):  # the second time with what numba keeps
+                    passes, seconds = run(room, tests_of(Path(path)), 900)
+            finally:
+                rooms.put(room)
+            if not passes:
+                raise SystemExit(f"{path}: its tests fail without a mutation")
+            return TIMES * seconds + 60
+
+        def judged(mutation: Mutation) -> tuple[Mutation, bool]:
+            room = rooms.get()
+            try:
+                return mutation, judge(mutation, room, limits[mutation.path])
+            finally:
+                rooms.put(room)
+
+        with ThreadPoolExecutor(workers) as pool:
+            paths = sorted({m.path for m in mutations})
+            limits.update(zip(paths, pool.map(limit_of, paths), strict=True))
+            for k, (mutation, survives) in enumerate(pool.map(judged, mutations)):
+                mark = "SURVIVES" if survives else "killed"
+                print(f"{k + 1:4d} {mark:8s} {described(mutation)}", flush=True)
+                if survives:
+                    yield mutation
+
+
+def described(m: Mutation) -> str:
+    """One line that names a mutation."""
+    line = (ROOT / m.path).read_text().splitlines()[m.line - 1].strip()
+    return f"{m.path}:{m.line}  {m.old.strip()!r} -> {m.new.strip()!r}   in: {line}"
+
+
+def main() -> int:
+    """Command line; exit code 1 if fewer than the wanted part are killed."""
+    parser = argparse.ArgumentParser(description=__doc__, prog="python checks/mutations.py")
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=12)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--least", type=float, default=0.85, help="part that must be killed")
+    parser.add_argument("--only", nargs="*", default=[], help="parts of module names")
+    given = parser.parse_args()
+    mutations = drawn(given.count, given.seed, given.only)
+    alive = list(survivors(mutations, given.workers))
+    killed = 1 - len(alive) / len(mutations)
+    print(f"killed: {len(mutations) - len(alive)} of {len(mutations)} ({killed:.1%}); alive:")
+    for mutation in alive:
+        print("  ", described(mutation))
+    return int(killed < given.least)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
