@@ -24,6 +24,7 @@ LAYERS = (
     {"runs", "results"},
     {"rotations", "filters", "recording"},
     {"hinges", "quality", "readers"},
+    {"datasets"},
     set(DEVICES),
     {"simulation", "outcomes"},
     {"plots", "reproduction"},

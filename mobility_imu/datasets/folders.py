@@ -39,12 +39,35 @@ def dataset_folder(name: str) -> Path:
         If there is no data set of this name, a variable names a folder that does not exist, or the
         data set is not there; the message says how to fetch it.
     """
+    folder = find_folder(name)
+    if folder is None:
+        root = os.environ.get(RECORDINGS_VARIABLE)
+        looked = " nor in ".join([root] * bool(root) + [str(cache_folder())])
+        raise InputError(f"{name}: not in {looked}; get it with 'mobility-imu fetch {name}'")
+    return folder
+
+
+def find_folder(name: str) -> Path | None:
+    """Folder of a data set as :func:`dataset_folder` finds it, None if it is not here.
+
+    Parameters
+    ----------
+    name : as in :func:`~mobility_imu.datasets.list_datasets`
+
+    Returns
+    -------
+    Path or None
+
+    Raises
+    ------
+    InputError
+        If there is no data set of this name, or a variable names a folder that does not exist.
+    """
     dataset = find_dataset(name)
     if name == "wheelmove-id-sample":
         sample = data.sample_folder()
         if sample is not None:
             return sample
-    looked = []
     root = os.environ.get(RECORDINGS_VARIABLE)
     if root:
         if not Path(root).is_dir():
@@ -52,15 +75,8 @@ def dataset_folder(name: str) -> Path:
         for subfolder in (dataset.name, *dataset.subfolders):
             if (Path(root) / subfolder).is_dir():
                 return Path(root) / subfolder
-        looked.append(root)
     cached = cache_folder() / dataset.name
-    if is_complete(cached, dataset):
-        return cached
-    looked.append(str(cached.parent))
-    raise InputError(
-        f"{dataset.name}: not in {' nor in '.join(looked)}; get it with "
-        f"'mobility-imu fetch {dataset.name}'"
-    )
+    return cached if is_complete(cached, dataset) else None
 
 
 def is_complete(folder: Path, dataset: Dataset) -> bool:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mobility_imu.errors import InputError
+from mobility_imu.readers.wording import quoted
 
 SETTINGS = (
     "gc.auto=0",
@@ -66,7 +67,7 @@ class GitFiles:
             commit states.
         """
         if name not in self.ids:
-            raise InputError(f"the origin has no file {name}")
+            raise InputError(f"the origin has no file {quoted(name)}")
         content = _git(self.folder, "cat-file", "blob", self.ids[name])
         if blob_id(content) != self.ids[name]:
             raise InputError(f"a file of the origin is damaged: {self.ids[name]}")

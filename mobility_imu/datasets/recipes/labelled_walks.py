@@ -49,11 +49,13 @@ def convert(files: Files, out: Output) -> Note:
         labels += _steps_of(label, stream.time_s, windows)
         # Stamps are s since 1970, which a float keeps to a quarter of a microsecond only.
         clock = (stream.time_s - begin).round(4)
-        out.stream(label, "frame", Stream(clock, stream.acc_mps2, stream.gyr_radps, source=label))
+        # Five decimals are a thousand times finer than the sensor's steps.
+        acc = stream.acc_mps2.round(5)
+        out.stream(label, "frame", Stream(clock, acc, stream.gyr_radps, source=label))
         rest.append(np.median(stream.acc_mps2, axis=0))
     if not labels:
         raise InputError("the origin has no walk with a labelled step in it")
-    rows = [f"{walk},{first:.12g},{last:.12g}" for walk, first, last in labels]
+    rows = [f"{walk},{first},{last}" for walk, first, last in labels]
     out.text("labelled_steps.csv", "\n".join(["walk,begin_s,end_s", *rows]) + "\n")
     up_g = (np.median(rest, axis=0) / STANDARD_GRAVITY_MPS2).round(2)
     out.text("mount.toml", _mount(up_g))

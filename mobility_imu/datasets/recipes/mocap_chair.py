@@ -159,8 +159,8 @@ class _Origin:
                 continue
             person, task = self.people[match[1]], match[2].lower()
             label = f"P{person:02d}_{task}"
+            capture = self.files.read(name)
             try:
-                capture = self.files.read(name)
                 poses = parse_optitrack(capture.decode("utf-8", "replace"), "chair", label)
                 recording = self.recording(person, task)
                 if recording is None or len(recording) < SHORTEST_SAMPLES:

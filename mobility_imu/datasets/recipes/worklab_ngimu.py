@@ -19,8 +19,8 @@ FILE = re.compile(
 )
 PLACES = {"Frame": "frame", "Left": "left_wheel", "Right": "right_wheel"}
 RATE_HZ = 400.0
-STILL_RADPS = 0.06
-"""Slower on every axis of every sensor: rest."""
+STILL_RADPS = 0.12
+"""Slower on every axis of every sensor: rest, with a person in the chair."""
 FAST_RADPS, LEVEL_RADPS = 2.0, 0.12
 """Wheels faster and the frame slower than this: straight driving."""
 EDGE_S = 0.25
