@@ -76,11 +76,14 @@ def _fetch(name: Name) -> None:
     from mobility_imu.datasets import fetch_dataset
     from mobility_imu.datasets.folders import NOTE
 
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    # Rich draws on a terminal only, so a log file stays clean.
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("fetching", total=None)
-        folder = fetch_dataset(name, progress=lambda doing: bar.update(task, description=doing))
+    console = Console(stderr=True)
+    if console.is_interactive:
+        columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+        with Progress(*columns, console=console, transient=True) as bar:
+            task = bar.add_task("fetching", total=None)
+            folder = fetch_dataset(name, progress=lambda doing: bar.update(task, description=doing))
+    else:  # a log file stays clean
+        folder = fetch_dataset(name)
     typer.echo(f"{name}: {folder} ({NOTE} says what was done)")
     if name == "wheelmove-id-sample":
         typer.echo("for tests and book: set the variable MOBILITY_IMU_DATA to this folder")

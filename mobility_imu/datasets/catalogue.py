@@ -99,7 +99,7 @@ DATASETS = {
             + f"/{data.SAMPLE_COMMIT}/{data.SAMPLE_ARCHIVE}",
             commit=data.SAMPLE_COMMIT,
             licence=NO_LICENCE,
-            download_mb=1.4,
+            download_mb=2.5,
             size_mb=6,
             sha256=data.SAMPLE_ARCHIVE_SHA256,
         ),

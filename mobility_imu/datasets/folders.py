@@ -42,8 +42,10 @@ def dataset_folder(name: str) -> Path:
     folder = find_folder(name)
     if folder is None:
         root = os.environ.get(RECORDINGS_VARIABLE)
-        looked = " nor in ".join([root] * bool(root) + [str(cache_folder())])
-        raise InputError(f"{name}: not in {looked}; get it with 'mobility-imu fetch {name}'")
+        named = f"{root} nor in " if root else ""
+        raise InputError(
+            f"{name}: not in {named}{cache_folder()}; get it with 'mobility-imu fetch {name}'"
+        )
     return folder
 
 

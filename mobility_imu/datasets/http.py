@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
 import logging
 from pathlib import Path
 
 from mobility_imu.errors import InputError
 
 TIMEOUT_S = 60.0
+CHUNK_BYTES = 1 << 16
 
 
 def download(url: str, sha256: str, path: Path) -> None:
@@ -25,8 +27,8 @@ def download(url: str, sha256: str, path: Path) -> None:
         If pooch is not installed, the address cannot be reached, or the file is another one.
     """
     try:
-        import pooch
-        import requests
+        # By name: neither is there without the extra, nor for the type checker.
+        pooch, requests = (importlib.import_module(name) for name in ("pooch", "requests"))
     except ImportError:
         raise InputError(
             "this data set is downloaded with pooch, which is not installed; "
@@ -39,7 +41,7 @@ def download(url: str, sha256: str, path: Path) -> None:
             known_hash=f"sha256:{sha256}",
             fname=path.name,
             path=path.parent,
-            downloader=pooch.HTTPDownloader(progressbar=False, timeout=TIMEOUT_S),
+            downloader=_store,
         )
     except requests.exceptions.HTTPError as error:
         code = getattr(error.response, "status_code", "no answer")
@@ -53,3 +55,15 @@ def download(url: str, sha256: str, path: Path) -> None:
             f"{url}: what arrived is not the file that is expected (SHA-256 {sha256}); it was cut "
             "short or changed, nothing is kept"
         ) from None
+
+
+def _store(url: str, output_file: str, pooch: object) -> None:
+    """Transfer a file; the connection is closed however it ends, which pooch's own does not do."""
+    requests = importlib.import_module("requests")
+    with (
+        requests.get(url, stream=True, timeout=TIMEOUT_S) as response,
+        open(output_file, "wb") as output,
+    ):
+        response.raise_for_status()
+        for chunk in response.iter_content(CHUNK_BYTES):
+            output.write(chunk)

@@ -148,7 +148,7 @@ def parse_fixes(text: str, source: str) -> Fixes:
         for values in (east_m, north_m)
     )
     speed_mps = np.asarray(np.hypot(np.gradient(east, grid_s), np.gradient(north, grid_s)), float)
-    return Fixes(time_s, east_m, north_m, grid_s, speed_mps)
+    return Fixes(time_s, east_m, np.asarray(north_m, float), grid_s, speed_mps)
 
 
 def clock_shift(fixes: Fixes, recording: Recording) -> float:
