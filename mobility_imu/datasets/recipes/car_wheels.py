@@ -103,7 +103,8 @@ def _note() -> Note:
             "Truth at the receiver's fixes: east_m and north_m from the first fix, not filtered; "
             f"speed_mps from the path low-passed at {CUTOFF_HZ:g} Hz, forward and backward (do the "
             f"same to what you compare). Within {JUMP_MARGIN_S:g} s of a jump of more than "
-            f"{LARGEST_JUMP_MPS2:g} m/s2 between fixes the speed is empty.",
+            f"{LARGEST_JUMP_MPS2:g} m/s2 between fixes the speed is empty. In the first and last "
+            "second the low-pass knows less.",
             "The receiver's time column steps by 0.1 s; its true step is 0.01 s.",
             "_static and _straight were cut from each trial: the longest rest and the longest way "
             "without turning.",
