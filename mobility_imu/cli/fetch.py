@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.datasets.catalogue import Name
 from mobility_imu.errors import InputError
 
 if TYPE_CHECKING:
     from mobility_imu.datasets import Dataset
 
+# The catalogue's names once more: importing it would load numpy for every command.
+Name = Literal[
+    "wheelmove-id-sample",
+    "worklab-ngimu",
+    "terrain-chair",
+    "labelled-walks",
+    "mocap-chair",
+    "car-wheels",
+    "two-hinges",
+    "one-hinge",
+    "foot-walks",
+]
 INDENT = "    "
 
 

@@ -3,9 +3,11 @@
 import subprocess
 import sys
 from dataclasses import replace
+from typing import get_args
 
 import pytest
 
+from mobility_imu.cli import fetch
 from mobility_imu.datasets import catalogue
 from mobility_imu.datasets.files import Note
 
@@ -44,6 +46,16 @@ def origin(monkeypatch, tmp_path):
     dataset = replace(catalogue.DATASETS["one-hinge"], origin=f"file://{folder}", commit=commit)
     monkeypatch.setitem(catalogue.DATASETS, "one-hinge", dataset)
     monkeypatch.setattr("mobility_imu.datasets.obtain._recipe", lambda dataset: Recipe())
+
+
+def test_the_command_knows_the_catalogues_names():
+    assert get_args(fetch.Name) == get_args(catalogue.Name) == tuple(catalogue.DATASETS)
+
+
+def test_the_command_line_starts_without_numpy():
+    code = "import sys, mobility_imu.cli.main; print('numpy' in sys.modules)"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "False"
 
 
 def test_the_list_names_size_origin_licence_and_use(works, tmp_path):
