@@ -1,12 +1,13 @@
 """The catalogue of data sets, and where they are found."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from mobility_imu import data
-from mobility_imu.datasets import dataset_folder, list_datasets
+from mobility_imu.datasets import catalogue, dataset_folder, list_datasets
 from mobility_imu.datasets.folders import NOTE, cache_folder
 from mobility_imu.datasets.obtain import _recipe
 from mobility_imu.errors import InputError
@@ -104,9 +105,14 @@ class TestCache:
         cached(folder, "one-hinge")
         assert dataset_folder("one-hinge") == folder
 
-    def test_another_commit_is_another_data_set(self, tmp_path):
+    def test_another_commit_or_recipe_is_another_data_set(self, tmp_path, monkeypatch):
         folder = tmp_path / "cache" / "one-hinge"
         cached(folder, "two-hinges")
+        with pytest.raises(InputError):
+            dataset_folder("one-hinge")
+        cached(folder, "one-hinge")
+        later = replace(catalogue.DATASETS["one-hinge"], recipe=12)
+        monkeypatch.setitem(catalogue.DATASETS, "one-hinge", later)
         with pytest.raises(InputError):
             dataset_folder("one-hinge")
 
@@ -137,6 +143,6 @@ class TestCache:
 
 def cached(folder, name):
     """A folder as ``fetch`` leaves it."""
-    commit = next(d.commit for d in list_datasets() if d.name == name)
+    stamp = next(d.stamp for d in list_datasets() if d.name == name)
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / NOTE).write_text(f"Commit: {commit}\n")
+    (folder / NOTE).write_text(f"{name}\n{stamp}\n")

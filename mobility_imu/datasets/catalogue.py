@@ -39,6 +39,7 @@ class Dataset:
     size_mb : so much the converted files take, MB
     subfolders : names, besides its own, of its folder below MOBILITY_IMU_RECORDINGS
     sha256 : checksum of a single file; None for a repository, whose commit is its checksum
+    recipe : number of the conversion; a change of what is written raises it
     """
 
     name: str
@@ -51,6 +52,12 @@ class Dataset:
     size_mb: float
     subfolders: tuple[str, ...] = ()
     sha256: str | None = None
+    recipe: int = 1
+
+    @property
+    def stamp(self) -> str:
+        """Line of the note that tells this conversion of this commit from any other."""
+        return f"Commit: {self.commit}, recipe {self.recipe}"
 
 
 def list_datasets() -> list[Dataset]:

@@ -91,10 +91,10 @@ def is_complete(folder: Path, dataset: Dataset) -> bool:
 
     Returns
     -------
-    bool; False as well if it was fetched from another commit
+    bool; False as well if it was fetched from another commit, or converted by another recipe
     """
     try:
-        return dataset.commit in (folder / NOTE).read_text(encoding="utf-8")
+        return dataset.stamp in (folder / NOTE).read_text(encoding="utf-8").splitlines()
     except (OSError, ValueError):
         return False
 

@@ -173,6 +173,8 @@ def _git(folder: Path, *arguments: str, given: bytes = b"", asked: str = "") -> 
     if process.returncode == 0:
         return output
     why = _reason(errors.decode("utf-8", "replace"))
+    if "No space left" in why:
+        raise InputError(f"{folder.parent}: the disk is full; nothing is left there")
     if asked:
         raise InputError(f"{asked}: cannot be fetched ({why}); is there a network?")
     raise InputError(f"git {arguments[0]} failed ({why})")

@@ -90,7 +90,7 @@ def note_text(dataset: Dataset, note: Note, folder: Path) -> str:
         f"{dataset.name}: {dataset.about}",
         "",
         f"Origin: {dataset.origin}",
-        f"Commit: {dataset.commit}",
+        dataset.stamp,
         f"Licence of the origin: {terms}",
         f"Good for: {dataset.good_for}",
         f"Converted by mobility-imu {__version__}",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from typing import Any
 
 import numpy as np
 
@@ -56,13 +57,13 @@ def parse_androsensor(text: str, source: str) -> Stream:
     return Stream(elapsed + np.median(wall - elapsed), *vectors, source=source)
 
 
-def _column(table, name: str, source: str):  # type: ignore[no-untyped-def]  # pandas has no types
+def _column(table: Any, name: str, source: str) -> Any:
     if name not in table:
         raise InputError(f"{source}: no column {name} (it has: {listed(list(table.columns))})")
     return table[name]
 
 
-def _numbers(column, name: str, source: str) -> FloatArray:  # type: ignore[no-untyped-def]
+def _numbers(column: Any, name: str, source: str) -> FloatArray:
     import pandas as pd
 
     values = np.array(pd.to_numeric(column, errors="coerce"), float)
@@ -75,7 +76,7 @@ def _numbers(column, name: str, source: str) -> FloatArray:  # type: ignore[no-u
     return values
 
 
-def _seconds_of_day(column, source: str) -> FloatArray:  # type: ignore[no-untyped-def]
+def _seconds_of_day(column: Any, source: str) -> FloatArray:
     """Wall clock in s since the first row's midnight; the last separator may be a colon."""
     import pandas as pd
 

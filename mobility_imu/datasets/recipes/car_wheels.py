@@ -142,7 +142,7 @@ def parse_fixes(text: str, source: str) -> Fixes:
     w = 1 - ECCENTRICITY_SQUARED * np.sin(first) ** 2
     east_m = np.deg2rad(longitude - longitude[0])[new] * AXIS_M / np.sqrt(w) * np.cos(first)
     north_m = np.deg2rad(latitude - latitude[0])[new] * AXIS_M * (1 - ECCENTRICITY_SQUARED) / w**1.5
-    time_s = new * FIX_STEP_S
+    time_s = np.asarray(new * FIX_STEP_S, float)
     grid_s = np.arange(time_s[0], time_s[-1], GRID_S)
     east, north = (
         low_pass(np.interp(grid_s, time_s, values), CUTOFF_HZ, 1 / GRID_S)

@@ -52,7 +52,6 @@ class Trial:
     task : such as ``slalom_ls``
     recording : frame and right wheel
     fit : how it agrees with motion capture
-    small : whether its capture was at hand when the choice was made
     reason : why it was left out; empty if it was chosen
     """
 
@@ -60,7 +59,6 @@ class Trial:
     task: str
     recording: Recording
     fit: Agreement
-    small: bool
     reason: str = ""
 
     @property
@@ -103,7 +101,7 @@ def convert(files: Files, out: Output) -> Note:
     """Recordings, truth and geometry of the chosen trials; the others in a folder of their own."""
     folders = sorted({m[1] for name in files.names if (m := PERSON.match(name))})
     people = {folder: number for number, folder in enumerate(folders, 1)}
-    origin = _Origin(files, people)
+    origin = _Origin.of(files, people)
     note = _note()
     trials = origin.trials(note)
     if not trials:
@@ -129,66 +127,73 @@ def convert(files: Files, out: Output) -> Note:
 
 @dataclass(frozen=True, eq=False)
 class _Origin:
-    """The origin's files by person and trial; no message or file of ours has a person's name."""
+    """The origin's files by person and trial; no message or file of ours has a person's name.
+
+    Parameters
+    ----------
+    files : of the origin
+    captures : person and task to path
+    sensors : person and task to the paths of the sensors, by their place
+    """
 
     files: Files
-    people: dict[str, int]
+    captures: dict[tuple[int, str], str]
+    sensors: dict[tuple[int, str], dict[str, str]]
 
-    def recording(self, person: int, trial: str) -> Recording | None:
-        """Frame and right wheel of a trial; None if a sensor is missing."""
-        paths: dict[str, str] = {}
-        for name in self.files.names:
-            match = SENSOR.fullmatch(name)
-            if match and self.people[match[1]] == person and match[2].lower() == trial:
-                paths.setdefault(match[3].lower(), name)
+    @classmethod
+    def of(cls, files: Files, people: dict[str, int]) -> _Origin:
+        """Sort the origin's paths; the first of two of one kind is taken."""
+        captures: dict[tuple[int, str], str] = {}
+        sensors: dict[tuple[int, str], dict[str, str]] = {}
+        for name in files.names:
+            if match := CAPTURE.fullmatch(name):
+                captures.setdefault((people[match[1]], match[2].lower()), name)
+            elif match := SENSOR.fullmatch(name):
+                trial = sensors.setdefault((people[match[1]], match[2].lower()), {})
+                trial.setdefault(match[3].lower(), name)
+        return cls(files, captures, sensors)
+
+    def recording(self, person: int, task: str) -> tuple[Recording, tuple[str, ...]]:
+        """Frame and right wheel of a trial, and what was odd."""
+        label = f"P{person:02d}_{task}"
+        paths = self.sensors.get((person, task), {})
         if any(place not in paths for place in PLACES.values()):
-            return None
-        label = f"P{person:02d}_{trial}"
+            raise InputError(f"{label}: a sensor has no file")
         streams = {
             sensor: parse_ximu3(decoded(self.files, paths[place], label), f"{label}, {sensor}")
             for sensor, place in PLACES.items()
         }
-        return join_streams(streams, RATE_HZ, source=label)[0]
+        return join_streams(streams, RATE_HZ, source=label)
 
     def trials(self, note: Note) -> list[Trial]:
         """Every trial that can be put beside motion capture; the note says which cannot."""
         found = []
-        for name in self.files.names:
-            match = CAPTURE.fullmatch(name)
-            if match is None:
-                continue
-            person, task = self.people[match[1]], match[2].lower()
+        for (person, task), path in self.captures.items():
             label = f"P{person:02d}_{task}"
-            capture = self.files.read(name)
+            capture = self.files.read(path)
             try:
                 poses = parse_optitrack(capture.decode("utf-8", "replace"), "chair", label)
-                recording = self.recording(person, task)
-                if recording is None or len(recording) < SHORTEST_SAMPLES:
-                    raise InputError(f"{label}: a sensor is missing, or the trial is too short")
+                recording, said = self.recording(person, task)
+                if len(recording) < SHORTEST_SAMPLES:
+                    raise InputError(f"{label}: the trial is too short ({len(recording)} samples)")
                 fit = agreement(recording, poses)
             except InputError as error:
                 note.left_out.append(str(error))
                 continue
+            note.warnings += said
             small = len(capture) < SMALL_BYTES
             reason = fit.fault() if small else "not at hand when the choice was made"
-            found.append(Trial(person, task, recording, fit, small, reason))
+            found.append(Trial(person, task, recording, fit, reason))
         return found
 
     def calibration(self, person: int) -> Calibration:
         """Rest and straight way of a person, of all the trials."""
-        tasks = {
-            match[2].lower()
-            for name in self.files.names
-            if (match := SENSOR.fullmatch(name)) and self.people[match[1]] == person
-        }
         recordings = {}
-        for task in sorted(tasks):
+        for task in sorted(task for p, task in self.sensors if p == person):
             try:
-                recording = self.recording(person, task)
-            except InputError:  # a trial of another kind that cannot be read
+                recordings[task], _ = self.recording(person, task)
+            except InputError:  # a trial that cannot be read gives no calibration
                 continue
-            if recording is not None:
-                recordings[task] = recording
         return cut_calibration(recordings)
 
 
