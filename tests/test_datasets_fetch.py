@@ -176,6 +176,17 @@ class TestGit:
         monkeypatch.setenv("GIT_INDEX_FILE", str(tmp_path / "index"))
         assert (fetch_dataset(GIT) / "wanted ü.csv").exists()
 
+    def test_a_disk_that_is_full_while_git_writes(self, prepare, cache, monkeypatch, tmp_path):
+        prepare()
+        tools = tmp_path / "bin"
+        tools.mkdir()
+        (tools / "git").write_text(
+            "#!/bin/sh\necho 'fatal: write error: No space left on device' >&2\nexit 128\n"
+        )
+        (tools / "git").chmod(0o755)
+        monkeypatch.setenv("PATH", f"{tools}{os.pathsep}{os.environ['PATH']}")
+        fails(cache, "the disk is full; nothing is left there")
+
     def test_a_server_that_cannot_filter(self, prepare, remote, tmp_path):
         plain = tmp_path / "plain"
         subprocess.run(["git", "clone", "-q", "--bare", remote[0], plain], check=True)

@@ -81,6 +81,30 @@ def csv_text(columns, *, head="", end=""):
     return (head + "\n".join([",".join(columns) + end, *rows]) + "\n").encode()
 
 
+class TestWheelmoveSample:
+    def test_byte_for_byte_without_the_outer_folder(self, make):
+        table = "a;b\n1,5;2\n".encode("latin-1")
+        files = {
+            "S/1 - é/T.csv": table,
+            "S/P.txt": b"x",
+            "S/logo.png": b"no",
+            "__MACOSX/a.csv": b"",
+        }
+        made = make("wheelmove-id-sample", files)
+        assert made.files == ["1 - é/T.csv", "P.txt"]
+        assert (made.folder / "1 - é" / "T.csv").read_bytes() == table
+
+    def test_no_table_and_paths_outside(self, make):
+        with pytest.raises(InputError, match="holds no table"):
+            make("wheelmove-id-sample", {"logo.png": b""})
+
+    @pytest.mark.parametrize("path", ["../T.csv", "/T.csv", "a/../../T.csv"])
+    def test_a_path_outside(self, make, path, tmp_path):
+        with pytest.raises(InputError, match="a path outside"):
+            make("wheelmove-id-sample", {path: b"1"})
+        assert not list(tmp_path.rglob("T.csv"))
+
+
 class TestTerrainChair:
     def module(self, begin_s, rate_hz, yaw_scale):
         t = np.arange(0, 6, 1 / rate_hz)

@@ -155,7 +155,7 @@ DATASETS = {
             commit="5fd1199b0584d5dcdd96c5419e063ee33326750f",
             licence=NO_LICENCE,
             download_mb=200,
-            size_mb=6,
+            size_mb=8,
             subfolders=("truth/chair_mocap",),
         ),
         Dataset(

@@ -23,17 +23,38 @@ class Files(Protocol):
         """Every path of the origin, sorted, also of files that were not fetched."""
 
     def read(self, name: str) -> bytes:
-        """Content of a file that was fetched."""
+        """Content of a file that was fetched.
+
+        Parameters
+        ----------
+        name : path in the origin
+        """
 
 
 class Recipe(Protocol):
     """How a data set is made from its origin: a module of ``recipes``."""
 
     def wanted(self, path: str) -> bool:
-        """Whether a file of the origin is needed."""
+        """Whether a file of the origin is needed.
+
+        Parameters
+        ----------
+        path : in the origin
+        """
 
     def convert(self, files: Files, out: Output) -> Note:
-        """Write the data set; returns what was done."""
+        """Write the data set; returns what was done.
+
+        Parameters
+        ----------
+        files : of the origin; those that are wanted can be read
+        out : folder that takes the data set
+
+        Raises
+        ------
+        InputError
+            If the origin's files are not what is expected.
+        """
 
 
 @dataclass

@@ -27,8 +27,15 @@ SETTINGS = (
     "http.lowSpeedLimit=1000",
     "http.lowSpeedTime=60",
 )
-LATER_VERSION = "2.29"
+FIRST_VERSION = "2.29"
 """Of git: the first that fetches single objects by ids from its input."""
+OF_ANOTHER_REPOSITORY = {
+    *("GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_COMMON_DIR", "GIT_PREFIX"),
+    *("GIT_OBJECT_DIRECTORY", "GIT_ALTERNATE_OBJECT_DIRECTORIES", "GIT_QUARANTINE_PATH"),
+    *("GIT_CONFIG", "GIT_CONFIG_PARAMETERS", "GIT_CONFIG_COUNT", "GIT_NAMESPACE"),
+    *("GIT_GRAFT_FILE", "GIT_SHALLOW_FILE", "GIT_REPLACE_REF_BASE", "GIT_NO_REPLACE_OBJECTS"),
+}
+"""Variables that a hook, for example, sets for the repository that it runs in."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,13 +175,13 @@ def _git(folder: Path, *arguments: str, given: bytes = b"", asked: str = "") -> 
                 raise
     except FileNotFoundError:
         raise InputError(
-            f"git is not installed; data sets are fetched with git {LATER_VERSION} or newer"
+            f"git is not installed; data sets are fetched with git {FIRST_VERSION} or newer"
         ) from None
     if process.returncode == 0:
         return output
     why = _reason(errors.decode("utf-8", "replace"))
     if "No space left" in why:
-        raise InputError(f"{folder.parent}: the disk is full; nothing is left there")
+        raise InputError(f"{folder.parent.parent}: the disk is full; nothing is left there")
     if asked:
         raise InputError(f"{asked}: cannot be fetched ({why}); is there a network?")
     raise InputError(f"git {arguments[0]} failed ({why})")
@@ -182,11 +189,7 @@ def _git(folder: Path, *arguments: str, given: bytes = b"", asked: str = "") -> 
 
 def _environment() -> dict[str, str]:
     """Environment without settings of another repository, and without questions to the user."""
-    kept = {
-        name: value
-        for name, value in os.environ.items()
-        if not name.startswith("GIT_") or name in ("GIT_SSL_CAINFO", "GIT_PROXY_COMMAND")
-    }
+    kept = {k: value for k, value in os.environ.items() if k not in OF_ANOTHER_REPOSITORY}
     quiet = {"GIT_TERMINAL_PROMPT": "0", "GIT_ASKPASS": "", "SSH_ASKPASS": "", "LC_ALL": "C"}
     return kept | quiet | {"GIT_NO_LAZY_FETCH": "1", "GIT_SSH_COMMAND": "ssh -oBatchMode=yes"}
 

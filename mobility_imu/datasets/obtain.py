@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import shutil
 import tempfile
 import time
@@ -51,11 +52,6 @@ def fetch_dataset(name: str, *, progress: Callable[[str], None] | None = None) -
     target = cache_folder() / dataset.name
     if is_complete(target, dataset):
         return target
-    if target.exists() or target.is_symlink():
-        raise InputError(
-            f"{target}: is there already and is not what this version fetches; remove it, or move "
-            "it away"
-        )
     say = progress or (lambda doing: None)
     recipe = _recipe(dataset)
     with _written(target.parent), _workshop(target) as workshop:
@@ -176,13 +172,18 @@ def _written(cache: Path) -> Iterator[None]:
 @contextmanager
 def _workshop(target: Path) -> Iterator[Path]:
     """Folder to work in, beside the target; removed at the end, with folders made for it."""
+    if target.exists() or target.is_symlink():
+        raise InputError(
+            f"{target}: is there already and is not what this version fetches; remove it, or move "
+            "it away"
+        )
     with ExitStack() as undo:
         for folder in reversed([p for p in target.parents if not p.exists()]):
             folder.mkdir()
             undo.callback(_remove_if_empty, folder)
         _remove_forgotten(target)
         workshop = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
-        undo.callback(shutil.rmtree, workshop, ignore_errors=True)
+        undo.callback(_remove, workshop)
         yield workshop
 
 
@@ -191,12 +192,20 @@ def _remove_if_empty(folder: Path) -> None:
         folder.rmdir()
 
 
+def _remove(folder: Path) -> None:
+    if os.name == "nt":  # git writes its objects read-only, which there forbids to remove them
+        for path in folder.rglob("*"):
+            with suppress(OSError):
+                path.chmod(0o700)
+    shutil.rmtree(folder, ignore_errors=True)
+
+
 def _remove_forgotten(target: Path) -> None:
     """Remove what a process left that was killed long ago."""
     for old in target.parent.glob(f".{target.name}-*"):
         with suppress(OSError):
             if time.time() - old.stat().st_mtime > FORGOTTEN_S:
-                shutil.rmtree(old, ignore_errors=True)
+                _remove(old)
 
 
 def _put(folder: Path, target: Path, dataset: Dataset) -> None:

@@ -16,6 +16,7 @@ from mobility_imu.readers.clocks import join_streams
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.xsens_dot import parse_xsens_dot
 from mobility_imu.recording import Recording
+from mobility_imu.results import Result
 
 FILE = re.compile(r"Datasets/(trial(?:02|04|06|08|09|10))/(CAR|IMU2|IMU4|GNSS)\.csv")
 PLACES = {"frame": "CAR", "left_wheel": "IMU4", "right_wheel": "IMU2"}
@@ -35,8 +36,8 @@ AXIS_M, ECCENTRICITY_SQUARED = 6378137.0, 0.00669438
 STATIC_SAMPLES, STRAIGHT_SAMPLES, EDGE_SAMPLES = 1200, 1800, 30
 
 
-@dataclass(frozen=True, eq=False)
-class Fixes:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fixes(Result):
     """Positions of the receiver, and what follows from them.
 
     Parameters
@@ -116,7 +117,7 @@ def _note() -> Note:
             "wheels' rates.",
         ],
         assumed=["Camber 0. frame = CAR, left wheel = IMU4, right wheel = IMU2, axle = z."],
-        left_out=["Trials 00, 01, 03, 05, 07, the other axle, and the robot's recordings."],
+        left_out=["The origin's other trials, which were not at hand, and the other axle."],
     )
 
 

@@ -15,6 +15,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.readers.optitrack import Poses
 from mobility_imu.recording import Recording
+from mobility_imu.results import Result
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,8 +33,8 @@ SHORTEST_WAY_M = 5.0
 LARGEST_MISFIT_MPS = 0.05
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(Result):
     """What motion capture says of the chair.
 
     Parameters
@@ -50,8 +51,8 @@ class Motion:
     velocity_mps: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class Agreement:
+@dataclass(frozen=True, eq=False, repr=False)
+class Agreement(Result):
     """How a recording agrees with motion capture, once one clock shift is fitted.
 
     Parameters
