@@ -68,8 +68,8 @@ def convert(files: Files, out: Output) -> Note:
             "and the longest way without turning.",
         ],
         assumed=[
-            "The stamps of the three sensors are one clock (the session's): by the turn at the end, "
-            "frame and wheels differ by less than 3 ms.",
+            "The stamps of the three sensors are one clock (the session's): by the turn at the "
+            "end, frame and wheels differ by less than 3 ms.",
             "Geometry: the values that worklab's example assumes. The turn does not fit them: with "
             "radii of 0.32 m 'wheelchair check' finds a track of 0.93 m and a camber of 19 deg.",
         ],
