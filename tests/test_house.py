@@ -26,6 +26,7 @@ LAYERS = (
     {"runs", "results"},
     {"rotations", "filters", "recording"},
     {"hinges", "quality", "readers"},
+    {"datasets"},
     set(DEVICES),
     {"simulation"},
     {"plots", "reproduction"},

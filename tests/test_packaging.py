@@ -54,7 +54,7 @@ def test_requirements_name_what_the_extras_name_with_the_same_bounds():
     lines = (ROOT / "requirements.txt").read_text().splitlines()
     listed = dict(named(line) for line in lines if re.match(r"[A-Za-z]", line))
     extras = PROJECT["optional-dependencies"]
-    wanted = [*extras["fast"], *extras["plot"], *extras["book"], *extras["dev"]]
+    wanted = [*extras["fast"], *extras["plot"], *extras["fetch"], *extras["book"], *extras["dev"]]
     wanted = dict(named(line) for line in wanted if not line.startswith("mobility-imu"))
     core = dict(named(line) for line in PROJECT["dependencies"])
     assert listed == wanted | core

@@ -17,6 +17,7 @@ from typing import Annotated
 import typer
 
 from mobility_imu import __version__
+from mobility_imu.cli.fetch import fetch
 from mobility_imu.cli.reproduce import reproduce
 from mobility_imu.cli.scooter import app as scooter_app
 from mobility_imu.cli.simulate import app as simulate_app
@@ -42,6 +43,7 @@ app.add_typer(wheelchair_app, name="wheelchair")
 app.add_typer(walker_app, name="walker")
 app.add_typer(simulate_app, name="simulate")
 app.command("reproduce")(reproduce)
+app.command("fetch")(fetch)
 
 
 def _version(wanted: bool) -> None:

@@ -6,15 +6,19 @@ import warnings
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import GAP_FACTOR, FloatArray, as_number, shown
-from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu
+from mobility_imu.readers.streams import Stream
+from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu, Recording
 
 LONGEST_FILL_S = 60.0
 """A straight line over a longer gap says nothing of the motion."""
 FEWEST_TO_FILL = 1000
 """So many samples may be filled in even if the recording has fewer."""
+LONGEST_SILENT_GAP_S = 0.1
+"""Sensors that are joined are interpolated over a longer gap as well, but a warning says so."""
 
 
 def check_rate(sampling_rate_hz: float, source: str, *, clock: bool = False) -> float:
@@ -130,3 +134,83 @@ def fill_gaps(
         )
         for name, imu in sensors.items()
     }
+
+
+def join_streams(
+    streams: Mapping[str, Stream],
+    rate_hz: float,
+    *,
+    offsets_s: Mapping[str, float] | None = None,
+    source: str = "recording",
+) -> tuple[Recording, tuple[str, ...]]:
+    """Join sensors that have stamps of their own on one even clock, by linear interpolation.
+
+    Parameters
+    ----------
+    streams : sensor name to what it gave
+    rate_hz : Hz, of the common clock, which starts at 0 with the sensor that begins last and ends
+        with the one that ends first
+    offsets_s : s, added to a sensor's stamps, for sensors whose clocks differ by a constant
+    source : what stands at the head of a message
+
+    Returns
+    -------
+    recording : Recording
+    warnings : samples left out since their stamp is not after all before it, and gaps that the
+        interpolation bridges (longer than 0.1 s)
+
+    Raises
+    ------
+    InputError
+        If there is no sensor, an offset names none, or the sensors share no time.
+    """
+    check_rate(rate_hz, source)
+    offsets = dict(offsets_s or {})
+    unknown = [name for name in offsets if name not in streams]
+    if not streams or unknown:
+        raise InputError(f"{source}: no sensor {', '.join(unknown) or 'at all'}")
+    said: list[str] = []
+    clocks: dict[str, FloatArray] = {}
+    kept: dict[str, NDArray[np.bool_]] = {}
+    for name, stream in streams.items():
+        said += stream.warnings
+        stamps = stream.time_s + offsets.get(name, 0.0)
+        before = np.maximum.accumulate(np.r_[-np.inf, stamps[:-1]])
+        kept[name] = stamps > before
+        clocks[name] = stamps[kept[name]]
+        said += _oddities(clocks[name], int((~kept[name]).sum()), f"{source}, {name}")
+    begin = max(clock[0] for clock in clocks.values())
+    span = min(clock[-1] for clock in clocks.values()) - begin
+    if not span * rate_hz > 1:
+        raise InputError(f"{source}: the sensors share no time ({_spans(clocks)})")
+    time_s = np.arange(0.0, span, 1.0 / rate_hz)
+
+    def at_common(name: str, values: FloatArray) -> FloatArray:
+        here = values[kept[name]].T
+        return np.column_stack([np.interp(time_s + begin, clocks[name], axis) for axis in here])
+
+    sensors = {
+        name: Imu(at_common(name, stream.acc_mps2), at_common(name, stream.gyr_radps))
+        for name, stream in streams.items()
+    }
+    return Recording(time_s, sensors, source=source), tuple(said)
+
+
+def _oddities(clock: FloatArray, left_out: int, source: str) -> list[str]:
+    """Sentences on stamps that were left out and on gaps that are bridged."""
+    said = []
+    if left_out:
+        said.append(f"{source}: {left_out} sample(s) left out whose stamps repeat or run backwards")
+    step = np.diff(clock)
+    long = step > LONGEST_SILENT_GAP_S
+    if long.any():
+        k = int(np.argmax(step))
+        said.append(
+            f"{source}: {int(long.sum())} gap(s) bridged by straight lines, the longest of "
+            f"{step[k]:.3g} s, {clock[k] - clock[0]:.1f} s after the start"
+        )
+    return said
+
+
+def _spans(clocks: Mapping[str, FloatArray]) -> str:
+    return ", ".join(f"{name} {clock[0]:.3f}-{clock[-1]:.3f} s" for name, clock in clocks.items())

@@ -37,7 +37,7 @@ MOUNT = ScooterMount(
 
 
 def turning(samples=400, *, rate_hz=100.0, noise=NOISE, mount=None, gyroscopes=True, seed=0):
-    """Wheel turned to and fro on a scooter that stands level; true steering and throttle."""
+    """Wheel turned left and right on a scooter that stands level; true steering and throttle."""
     time_s = np.arange(samples) / rate_hz
     steering, throttle = 0.5 * np.sin(time_s), np.full(samples, 0.2)
     body = np.tile(body_specific_force(0.0, 0.0), (samples, 1))

@@ -1,0 +1,100 @@
+"""Command that brings public recordings by name."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from mobility_imu.errors import InputError
+
+if TYPE_CHECKING:
+    from mobility_imu.datasets import Dataset
+
+# The catalogue's names once more: importing it would load numpy for every command.
+Name = Literal[
+    "wheelmove-id-sample",
+    "worklab-ngimu",
+    "terrain-chair",
+    "labelled-walks",
+    "mocap-chair",
+    "car-wheels",
+    "two-hinges",
+    "one-hinge",
+    "foot-walks",
+]
+INDENT = "    "
+
+
+def fetch(
+    name: Annotated[
+        Name | None, typer.Argument(metavar="NAME", help="Of a data set, as in --list.")
+    ] = None,
+    listing: Annotated[
+        bool, typer.Option("--list", help="Names, sizes, origins, licences, and what each tests.")
+    ] = False,
+) -> None:
+    """Bring public recordings by name into the cache, as canonical CSV with a note beside them.
+
+    The cache is the folder that the variable MOBILITY_IMU_CACHE names, or the platform's. Most
+    origins state no licence: read the files, do not pass them on.
+    """
+    if listing == (name is not None):
+        raise InputError("give the name of one data set, or --list to see them all")
+    if name is None:
+        _list()
+    else:
+        _fetch(name)
+
+
+def _list() -> None:
+    """Print every data set, and where it is if it is here."""
+    from mobility_imu.datasets import list_datasets
+    from mobility_imu.datasets.folders import find_folder
+
+    for dataset in list_datasets():
+        folder = find_folder(dataset.name)
+        typer.echo(dataset.name)
+        for line in (*described(dataset), f"here: {folder}" if folder else "not here"):
+            typer.echo(INDENT + line)
+
+
+def described(dataset: Dataset) -> list[str]:
+    """Lines that tell what a data set is.
+
+    Parameters
+    ----------
+    dataset : which one
+
+    Returns
+    -------
+    list of str
+    """
+    return [
+        dataset.about,
+        f"good for: {dataset.good_for}",
+        f"origin: {dataset.origin} at {dataset.commit}",
+        f"licence: {dataset.licence}; about {dataset.download_mb:g} MB to fetch, "
+        f"{dataset.size_mb:g} MB kept",
+    ]
+
+
+def _fetch(name: Name) -> None:
+    """Fetch one data set and say where it is."""
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    from mobility_imu.datasets import fetch_dataset
+    from mobility_imu.datasets.folders import NOTE
+
+    console = Console(stderr=True)
+    if console.is_interactive:
+        columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+        with Progress(*columns, console=console, transient=True) as bar:
+            task = bar.add_task("fetching", total=None)
+            folder = fetch_dataset(name, progress=lambda doing: bar.update(task, description=doing))
+    else:  # a log file stays clean
+        folder = fetch_dataset(name)
+    typer.echo(f"{name}: {folder} ({NOTE} says what was done)")
+    if name == "wheelmove-id-sample":
+        typer.echo("for tests and book: set the variable MOBILITY_IMU_DATA to this folder")

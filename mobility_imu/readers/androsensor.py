@@ -1,0 +1,100 @@
+"""AndroSensor's tables, and loggers that borrowed its names: units in the header, a wall clock."""
+
+from __future__ import annotations
+
+import io
+import re
+from typing import Any
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray
+from mobility_imu.readers.streams import Stream
+from mobility_imu.readers.wording import listed, quoted
+
+ELAPSED = "Time since start in ms"
+WALL = "YYYY-MO-DD HH-MI-SS_SSS"
+
+
+def parse_androsensor(text: str, source: str) -> Stream:
+    """Stream on the wall clock, in s since midnight of the day on which it begins.
+
+    The elapsed time runs evenly but from a start of its own; the wall clock is coarse. The median
+    of their difference joins them. Some loggers write seconds under the name of milliseconds:
+    the wall clock tells which unit it is.
+
+    Parameters
+    ----------
+    text : content of the file; LINEAR ACCELERATION (gravity taken out) is not used
+    source : the file's name, for messages
+
+    Returns
+    -------
+    Stream
+
+    Raises
+    ------
+    InputError
+        If a column is missing, a cell is no number or no date, or the two clocks do not agree.
+    """
+    import pandas as pd
+
+    try:
+        table = pd.read_csv(io.StringIO(text), index_col=False)
+    except (ValueError, pd.errors.ParserError) as error:
+        raise InputError(f"{source}: cannot be read as a table ({quoted(str(error))})") from None
+    table.columns = [str(name).strip() for name in table.columns]
+    wall = _seconds_of_day(_column(table, WALL, source).astype(str), source)
+    elapsed = _numbers(_column(table, ELAPSED, source), ELAPSED, source)
+    elapsed *= _unit_of_elapsed(elapsed, wall, source)
+    vectors = []
+    for quantity, unit in (("ACCELEROMETER", "m/s²"), ("GYROSCOPE", "rad/s")):
+        names = [f"{quantity} {axis} ({unit})" for axis in "XYZ"]
+        vectors.append(
+            np.column_stack([_numbers(_column(table, n, source), n, source) for n in names])
+        )
+    return Stream(elapsed + np.median(wall - elapsed), *vectors, source=source)
+
+
+def _column(table: Any, name: str, source: str) -> Any:
+    if name not in table:
+        raise InputError(f"{source}: no column {name} (it has: {listed(list(table.columns))})")
+    return table[name]
+
+
+def _numbers(column: Any, name: str, source: str) -> FloatArray:
+    import pandas as pd
+
+    values = np.array(pd.to_numeric(column, errors="coerce"), float)
+    if not np.isfinite(values).all():
+        k = int(np.argmin(np.isfinite(values)))
+        raise InputError(
+            f"{source}: line {k + 2}, column {name}: "
+            f"'{quoted(str(column.iloc[k]))}' is not a finite number"
+        )
+    return values
+
+
+def _seconds_of_day(column: Any, source: str) -> FloatArray:
+    """Wall clock in s since the first row's midnight; the last separator may be a colon."""
+    import pandas as pd
+
+    dates = column.str.replace(r"[:_.](\d{3})$", r".\1", regex=True)
+    parsed = pd.to_datetime(dates, errors="coerce")
+    if parsed.isna().any():
+        k = int(np.argmax(parsed.isna()))
+        raise InputError(f"{source}: line {k + 2}: '{quoted(column.iloc[k])}' is no date and time")
+    return np.array((parsed - parsed.iloc[0].normalize()).dt.total_seconds(), float)
+
+
+def _unit_of_elapsed(elapsed: FloatArray, wall: FloatArray, source: str) -> float:
+    """Seconds of one unit of the elapsed time: 1 or 0.001."""
+    span, real = np.ptp(elapsed), np.ptp(wall)
+    for unit in (1.0, 1e-3):
+        if abs(span * unit - real) <= 0.05 * real + 0.1:
+            return unit
+    raise InputError(
+        f"{source}: {quoted(re.sub(' in ms', '', ELAPSED))} runs over {span:g} (ms or s), the wall "
+        f"clock over {real:g} s"
+    )

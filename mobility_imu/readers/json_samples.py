@@ -1,0 +1,56 @@
+"""JSON arrays of samples, as small boards write them: one object per sample, in g and deg/s."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.readers.streams import Stream, stream_in_g_and_degrees
+from mobility_imu.readers.table import NumberTable
+from mobility_imu.readers.wording import quoted
+
+ACCELEROMETER = ["acc_x", "acc_y", "acc_z"]
+GYROSCOPE = ["gy_x", "gy_y", "gy_z"]
+KEYS = ["timestamp", *ACCELEROMETER, *GYROSCOPE]
+
+
+def parse_json_samples(text: str, source: str) -> Stream:
+    """Stream of an array of objects ``acc_x … gy_z, timestamp`` (g, deg/s, s since 1970).
+
+    Parameters
+    ----------
+    text : content of the file; a number may stand as text, as in ``"timestamp": "1680000000.5"``
+    source : the file's name, for messages
+
+    Returns
+    -------
+    Stream
+
+    Raises
+    ------
+    InputError
+        If it is no such array, or a value is no number.
+    """
+    try:
+        samples = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{source}: no JSON ({error}); is the file complete?") from None
+    if not isinstance(samples, list) or not samples:
+        raise InputError(f"{source}: expected a JSON array of samples")
+    rows = np.empty((len(samples), len(KEYS)))
+    for k, sample in enumerate(samples):
+        if not isinstance(sample, dict):
+            raise InputError(f"{source}: sample {k} is no object with {', '.join(KEYS)}")
+        for j, key in enumerate(KEYS):
+            value = sample.get(key)
+            try:
+                rows[k, j] = float(value)  # type: ignore[arg-type]  # what is no number is refused
+            except (TypeError, ValueError):
+                raise InputError(
+                    f"{source}: sample {k}: {key} is {quoted(repr(value))}, expected a number"
+                ) from None
+    return stream_in_g_and_degrees(
+        NumberTable(KEYS, rows, source), rows[:, 0], ACCELEROMETER, GYROSCOPE
+    )

@@ -1,0 +1,75 @@
+"""Xsens (Movella) DOT: the app's offline recordings, ``sep=,`` and then named columns."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray
+from mobility_imu.readers.streams import Stream
+from mobility_imu.readers.table import parse_numbers
+
+ACCELEROMETER = [f"Acc_{axis}" for axis in "XYZ"]
+GYROSCOPE = [f"Gyr_{axis}" for axis in "XYZ"]
+CLOCK_RANGE = 2**32
+"""The sensor's clock counts microseconds in 32 bits and starts again at 0 after 71.6 minutes."""
+LARGEST_ACC_MPS2, LARGEST_GYR_DEGPS = 200.0, 2300.0
+"""More than the sensor's ranges (16 g, 2000 deg/s): such a number is a damaged row."""
+MOST_HEADER_LINES = 30
+
+
+def parse_xsens_dot(text: str, source: str) -> Stream:
+    """Stream of an offline recording with acceleration (m/s²) and angular rate (deg/s).
+
+    Rows of zeros at the beginning, before the sensor's first sample, are left out, and so are
+    damaged rows (NaN, infinity, more than the sensor's range); a warning says how many.
+
+    Parameters
+    ----------
+    text : content of the file
+    source : the file's name, for messages
+
+    Returns
+    -------
+    Stream; its time is the sensor's own clock, which starts at an arbitrary moment
+
+    Raises
+    ------
+    InputError
+        If a column is missing (real-time recordings hold no rates), or no row is usable.
+    """
+    lines = text.split("\n", MOST_HEADER_LINES)
+    head = next((k for k, line in enumerate(lines) if "SampleTimeFine" in line), None)
+    if head is None:
+        raise InputError(f"{source}: no line of names with SampleTimeFine; is it a DOT recording?")
+    table = parse_numbers(
+        "\n".join(lines[head:]), separator=",", source=source, first_line=head + 1
+    )
+    values = table.columns([*ACCELEROMETER, *GYROSCOPE])
+    # Written before the sensor's first sample.
+    begin = int(np.argmax((values != 0).any(axis=1)))
+    acc, gyr = values[:, :3], values[:, 3:]
+    possible = np.isfinite(values).all(axis=1)
+    possible &= (np.abs(acc) < LARGEST_ACC_MPS2).all(axis=1)
+    possible &= (np.abs(gyr) < LARGEST_GYR_DEGPS).all(axis=1)
+    started = np.arange(len(values)) >= begin
+    damaged = int((~possible & started).sum())
+    sound = possible & started
+    said = []
+    if begin:
+        said.append(f"{source}: {begin} row(s) of zeros at the beginning left out")
+    if damaged:
+        said.append(f"{source}: {damaged} damaged row(s) left out")
+    return Stream(
+        _seconds(table.columns(["SampleTimeFine"])[sound, 0]),
+        acc[sound],
+        np.deg2rad(gyr[sound]),
+        source=source,
+        warnings=tuple(said),
+    )
+
+
+def _seconds(count: FloatArray) -> FloatArray:
+    """Sensor's clock in s; it goes on where the counter starts again."""
+    wraps = np.cumsum(np.diff(count, prepend=count[:1]) < -CLOCK_RANGE / 2)
+    return (count + CLOCK_RANGE * wraps) * 1e-6
