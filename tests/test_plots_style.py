@@ -2,6 +2,7 @@
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from mobility_imu.plots.style import show_table, use_style
 
@@ -22,7 +23,7 @@ def test_tables_of_chapters():
 
 
 def test_the_style_as_a_cells_last_line_shows_nothing(capsys):
-    from IPython.core.formatters import DisplayFormatter
+    DisplayFormatter = pytest.importorskip("IPython.core.formatters").DisplayFormatter
 
     with use_style() as style:
         assert DisplayFormatter().format(style) == ({}, {})

@@ -30,7 +30,7 @@ HATCHES = ("", "///", "...", "xx", "\\\\\\", "++")
 
 
 class _Restore(ExitStack):
-    """What puts the former defaults back; as the last line of a notebook's cell it shows nothing."""
+    """Puts the former defaults back; as the last line of a notebook's cell it shows nothing."""
 
     def _ipython_display_(self) -> None:
         """Show nothing."""
