@@ -112,6 +112,46 @@ def check_geometry(
         radius * rate[:, 2] for radius, rate in zip(geometry.wheel_radius_m, wheels, strict=True)
     )
     speed, apart = (left + right) / 2, right - left
+    distance, distance_sd, mismatch, mismatch_sd = _distances(
+        recording, mount, yaw, speed, apart, turning
+    )
+    gains = [
+        float((apart - mismatch * speed)[way] @ yaw[way] / (yaw[way] @ yaw[way]))
+        / geometry.wheel_centre_distance_m
+        if way.sum() >= SHORTEST_TURNING_S / 2 * fs
+        else float("nan")
+        for way in (turning & (yaw > 0), turning & (yaw < 0))
+    ]
+    yaw_gain_sd = _gain_sd(mount.rotation_frame_imu_to_chair[2])
+    camber, camber_sd = _camber(wheels[0], wheels[1], yaw, turning, yaw_gain_sd)
+    lean = geometry.track_m - geometry.wheel_centre_distance_m
+    return GeometryCheck(
+        yaw_gain_left=gains[0],
+        yaw_gain_right=gains[1],
+        track_m=distance + lean,
+        track_sd_m=distance_sd,
+        # A radius mismatch e adds e times the speed; the ratio that fits is 1 - e (first order).
+        radius_ratio=1 - mismatch,
+        radius_ratio_sd=mismatch_sd,
+        camber_rad=camber,
+        camber_sd_rad=camber_sd,
+        geometry=geometry,
+        warnings=(
+            *_on_distances(geometry, distance, distance_sd, mismatch, mismatch_sd),
+            *_on_camber(geometry, camber, camber_sd),
+        ),
+    )
+
+
+def _distances(
+    recording: Recording,
+    mount: WheelchairMount,
+    yaw: FloatArray,
+    speed: FloatArray,
+    apart: FloatArray,
+    turning: NDArray[np.bool_],
+) -> tuple[float, float, float, float]:
+    """Distance of the wheel centres and mismatch of the radii, each with its standard deviation."""
     moving = turning | (np.abs(speed) > 0.2)
     design = np.column_stack([yaw, speed, np.ones(len(yaw))])[moving]
     sizes = np.linalg.svd(design, compute_uv=False)
@@ -120,42 +160,16 @@ def check_geometry(
             f"{recording.source}: the wheels' speed is constant or proportional to the yaw rate "
             "throughout, expected turns and straight lines; do both wheel sensors work?"
         )
-    block = np.arange(len(yaw))[moving] // max(round(BLOCK_S * fs), 1)
+    block = np.arange(len(yaw))[moving] // max(round(BLOCK_S * recording.sampling_rate_hz), 1)
     (distance, mismatch, _), covariance = _fit(design, apart[moving], block)
-    gain_left, gain_right = (_gain_sd(mount.rotation_imu_to_wheel(side)[2]) for side in SIDES)
-    gain_yaw = _gain_sd(mount.rotation_frame_imu_to_chair[2])
+    left, right = (_gain_sd(mount.rotation_imu_to_wheel(side)[2]) for side in SIDES)
     # Gains g of the wheels change the difference of their speeds by (g_R - g_L) V, and by
     # (g_R + g_L) / 2 of what the turn makes of it.
-    gain_wheels = np.hypot(gain_left, gain_right)
-    distance_sd = float(
-        np.hypot(np.sqrt(covariance[0, 0]), distance * np.hypot(gain_wheels / 2, gain_yaw))
-    )
-    mismatch_sd = float(np.hypot(np.sqrt(covariance[1, 1]), gain_wheels))
-    gains = [
-        float((apart - mismatch * speed)[way] @ yaw[way] / (yaw[way] @ yaw[way]))
-        / geometry.wheel_centre_distance_m
-        if way.sum() >= SHORTEST_TURNING_S / 2 * fs
-        else float("nan")
-        for way in (turning & (yaw > 0), turning & (yaw < 0))
-    ]
-    camber, camber_sd = _camber(wheels[0], wheels[1], yaw, turning, gain_yaw)
-    lean = geometry.track_m - geometry.wheel_centre_distance_m
-    return GeometryCheck(
-        yaw_gain_left=gains[0],
-        yaw_gain_right=gains[1],
-        track_m=float(distance + lean),
-        track_sd_m=distance_sd,
-        # A radius mismatch e adds e times the speed; the ratio that fits is 1 - e (first order).
-        radius_ratio=float(1 - mismatch),
-        radius_ratio_sd=mismatch_sd,
-        camber_rad=camber,
-        camber_sd_rad=camber_sd,
-        geometry=geometry,
-        warnings=(
-            *_on_distances(geometry, float(distance), distance_sd, float(mismatch), mismatch_sd),
-            *_on_camber(geometry, camber, camber_sd),
-        ),
-    )
+    by_wheels = np.hypot(left, right)
+    by_turn = np.hypot(by_wheels / 2, _gain_sd(mount.rotation_frame_imu_to_chair[2]))
+    distance_sd = np.hypot(np.sqrt(covariance[0, 0]), distance * by_turn)
+    mismatch_sd = np.hypot(np.sqrt(covariance[1, 1]), by_wheels)
+    return float(distance), float(distance_sd), float(mismatch), float(mismatch_sd)
 
 
 def _on_distances(
@@ -166,7 +180,7 @@ def _on_distances(
     mismatch_sd: float,
 ) -> list[str]:
     """Sentences on track and radii that do not fit, or on swapped sensors."""
-    if distance < 0:
+    if distance < -max(TRACK_TOLERANCE_M, 3 * distance_sd):
         gain = distance / geometry.wheel_centre_distance_m
         return [
             f"the wheels turn against the frame (gain {gain:.2f}): left and right wheel sensor are "
