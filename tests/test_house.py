@@ -25,7 +25,7 @@ LAYERS = (
     {"frames", "data", "_compiled", "executors", "files"},
     {"runs", "results"},
     {"rotations", "filters", "recording"},
-    {"hinges", "quality", "readers"},
+    {"hinges", "quality", "readers", "arguments"},
     set(DEVICES),
     {"simulation"},
     {"plots", "reproduction"},

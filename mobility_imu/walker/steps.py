@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, check_positive
 from mobility_imu.results import Result
@@ -147,7 +148,8 @@ def find_steps(trajectory: Trajectory, settings: GaitSettings | None = None) -> 
         If the frame never stands, or a move is shorter than what the detector took off both rests
         around it.
     """
-    settings = settings or GaitSettings()
+    expect("trajectory", trajectory, Trajectory)
+    settings = settings_or_default("settings", settings, GaitSettings)
     time, still = trajectory.time_s, trajectory.stationary
     if not still.any():
         raise InputError("trajectory: the frame never stands still, so no step begins or ends")
@@ -283,6 +285,7 @@ def find_turns(steps: Steps) -> Turns:
     -------
     Turns
     """
+    expect("steps", steps, Steps)
     sense = np.sign(steps.turn_rad) * (np.abs(steps.turn_rad) >= steps.settings.least_turn_rad)
     runs = [run for side in (-1, 1) for run in runs_of(sense == side)]
     runs.sort(key=lambda run: run.start)

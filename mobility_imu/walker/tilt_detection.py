@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, shown
 from mobility_imu.runs import runs_of
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection
 from mobility_imu.walker.navigation import Navigation
@@ -65,6 +65,9 @@ def find_tilts(
     InputError
         If no tilt is found, one goes across a corner, or the order leaves open which they were.
     """
+    named = isinstance(order, Sequence) and all(isinstance(name, str) for name in order)
+    if not named or isinstance(order, str):
+        raise InputError(f"order: got {shown(order)}, expected a list of names")
     unknown = [name for name in order if name not in TILT_DIRECTIONS]
     if unknown or not order:
         raise InputError(

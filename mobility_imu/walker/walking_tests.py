@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.results import Result
@@ -358,5 +359,6 @@ def timed_up_and_go(steps: Steps, *, least_turn_rad: float = float(np.deg2rad(90
 
 
 def _check(steps: Steps) -> None:
+    expect("steps", steps, Steps)
     if not len(steps):
         raise InputError("steps: there is none, expected a walk of one step or more")

@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from mobility_imu.errors import InputError
+from mobility_imu.files import write_text
 from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.readers.geometry import read_section
 
@@ -242,7 +243,7 @@ class WheelchairGeometry:
             f"track_m = {self.track_m}\n"
         )
         if path is not None:
-            Path(path).write_text(text)
+            write_text(path, text)
         return text
 
     @property

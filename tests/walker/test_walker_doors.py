@@ -214,11 +214,11 @@ def test_a_mount_far_off_the_frame_is_said_if_the_frame_is_known():
 
 
 def test_arguments_in_the_wrong_order_are_refused():
-    with pytest.raises(InputError, match="geometry = WalkerMount"):
+    with pytest.raises(InputError, match="geometry: got WalkerMount"):
         estimate_trajectory(walked().recording, MOUNT, FRAME)
-    with pytest.raises(InputError, match="mount = WalkerGeometry"):
+    with pytest.raises(InputError, match="mount: got WalkerGeometry"):
         estimate_trajectory(walked().recording, FRAME, FRAME)
-    with pytest.raises(InputError, match="geometry = WalkerMount"):
+    with pytest.raises(InputError, match="geometry: got WalkerMount"):
         calibrate_mount(tilt_recording(), MOUNT)
     for wrong, message in (("walk.csv", "or a list of them"), ([None], "None: expected a Rec")):
         with pytest.raises(InputError, match=message):
