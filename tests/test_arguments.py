@@ -93,33 +93,28 @@ def test_what_is_no_recording_is_named(device, value):
 @pytest.mark.parametrize("value", ["processes", 4, dict])
 def test_what_is_no_executor_is_named(device, value):
     for recording in (RECORDING, [RECORDING]):
-        with pytest.raises(InputError, match="^executor = .* with submit"):
+        with pytest.raises(InputError, match=r"^executor = .* with submit"):
             estimate(device, recording=recording, executor=value)
 
 
 @pytest.mark.parametrize("value", [np.ones(3), "yes", 1, None])
 def test_flags_are_true_or_false(value):
-    with pytest.raises(InputError, match="smooth = .*: expected True or False"):
+    with pytest.raises(InputError, match=r"smooth = .*: expected True or False"):
         estimate(walker, smooth=value)
-    with pytest.raises(InputError, match="zero_rate = .*: expected True or False"):
+    with pytest.raises(InputError, match=r"zero_rate = .*: expected True or False"):
         walker.NavigationSettings(zero_rate=value)
-    with pytest.raises(InputError, match="smooth = .*: expected True or False"):
+    with pytest.raises(InputError, match=r"smooth = .*: expected True or False"):
         walker.calibrate_mount(RECORDING, GEOMETRIES[walker], smooth=value)
 
 
 @pytest.mark.parametrize("value", STRANGE, ids=lambda v: type(v).__name__)
 def test_smaller_doors_name_other_objects(value):
-    settings = {"mount": MOUNTS[walker], "geometry": GEOMETRIES[walker]}
-    trajectory = walker.estimate_trajectory(RECORDING, **settings)
+    drive = estimate(wheelchair)
     doors = [
         lambda: estimate(walker, stillness=value),
         lambda: estimate(walker, closed_loop=value),
         lambda: walker.find_steps(value),
-        lambda: (
-            walker.find_steps(trajectory, value if type(value) is not type(walker) else 0)
-            if not isinstance(value, walker.GaitSettings)
-            else expect("settings", value, dict)
-        ),
+        lambda: wheelchair.identify_tasks(drive, value),
         lambda: walker.find_turns(value),
         lambda: walker.walking_summary(value),
         lambda: walker.six_minute_walk(value),
@@ -162,7 +157,7 @@ def test_results_hold_series_of_one_length():
         assert len(result.to_frame()) and names
         for field in vars(result):
             if isinstance(getattr(result, field), np.ndarray):
-                for value in (None, "abc", 1.0, np.ones(3), np.ones((400, 1)), [1, 2]):
+                for value in (None, "abc", 1.0, np.ones(3), np.ones((400, 1))):
                     with pytest.raises(InputError, match=field.removesuffix("s")):
                         replace(result, **{field: value})
         if hasattr(result, "settings"):
@@ -202,7 +197,7 @@ def test_what_is_no_name_of_a_file_is_said(path):
         wheelchair.WheelchairGeometry.from_toml, wheelchair.WheelchairMount.from_toml,
         walker.WalkerGeometry.from_toml, walker.WalkerMount.from_toml,
     ):  # fmt: skip
-        with pytest.raises(InputError, match="path: got .* expected the name of a file"):
+        with pytest.raises(InputError, match=r"path: got .* expected the name of a file"):
             read(path)
 
 
@@ -224,15 +219,9 @@ def test_toml_is_written_whole_or_not_at_all(to_toml, tmp_path):
     assert to_toml(str(target)) == text and stat.S_IMODE(target.stat().st_mode) == 0o600
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "link").symlink_to(tmp_path / "nowhere")
-    for name in (
-        tmp_path,
-        tmp_path / "pipe",
-        tmp_path / "no" / "a.toml",
-        tmp_path / "link",
-        "a\0b",
-    ):
+    for name in ("", "pipe", "no/a.toml", "link", "a\0b"):
         with pytest.raises(InputError):
-            to_toml(name)
+            to_toml(tmp_path / name)
     for strange in (3, b"x", [target]):
         with pytest.raises(InputError, match="path: got "):
             to_toml(strange)

@@ -220,7 +220,7 @@ def test_arguments_in_the_wrong_order_are_refused():
         estimate_trajectory(walked().recording, FRAME, FRAME)
     with pytest.raises(InputError, match="geometry: got WalkerMount"):
         calibrate_mount(tilt_recording(), MOUNT)
-    for wrong, message in (("walk.csv", "or a list of them"), ([None], "None: expected a Rec")):
+    for wrong, message in (("walk.csv", "or a list of them"), ([None], "recording 0: got None")):
         with pytest.raises(InputError, match=message):
             estimate_trajectory(wrong, FRAME, MOUNT)
     for door in (navigate_recording, lambda name: calibrate_mount(name, FRAME)):
