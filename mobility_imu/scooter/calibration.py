@@ -101,6 +101,7 @@ class ScooterCalibration(Result):
     unseen : names of directions that the poses tell little of: the prior stays there
     geometry : ScooterGeometry that the calibration was made with
     warnings : sentences for the user
+    pose_sd_rad, prior_sd_rad : rad, what it was made with, see :func:`mount_from_poses`
     """
 
     mount: ScooterMount
@@ -108,6 +109,8 @@ class ScooterCalibration(Result):
     unseen: tuple[str, ...]
     geometry: ScooterGeometry
     warnings: tuple[str, ...] = ()
+    pose_sd_rad: float = POSE_SD_RAD
+    prior_sd_rad: float = PRIOR_SD_RAD
 
     def to_toml(self, path: str | Path | None = None) -> str:
         """Text of a geometry file with geometry, mount and, as a comment, standard deviations.
@@ -241,7 +244,9 @@ def mount_from_poses(
         for name in unseen
     )
     turns = (Rotation.from_rotvec(part).as_matrix() for part in (found.x[:3], found.x[3:]))
-    return ScooterCalibration(ScooterMount(*turns), sd, unseen, geometry, warnings)
+    return ScooterCalibration(
+        ScooterMount(*turns), sd, unseen, geometry, warnings, pose_sd, prior_sd
+    )
 
 
 class _Stops(NamedTuple):

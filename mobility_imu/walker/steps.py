@@ -247,6 +247,8 @@ class Turns(Result):
     start_s, stop_s : (k,) arrays, s, first lift and last placement
     angle_rad : (k,) array, rad, left positive
     first_step, last_step : (k,) int arrays, counted from 0
+    settings : GaitSettings of the steps
+    warnings : those of the steps
     """
 
     start_s: FloatArray
@@ -254,6 +256,8 @@ class Turns(Result):
     angle_rad: FloatArray
     first_step: NDArray[np.int64]
     last_step: NDArray[np.int64]
+    settings: GaitSettings = field(default_factory=GaitSettings)
+    warnings: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of turns."""
@@ -291,4 +295,12 @@ def find_turns(steps: Steps) -> Turns:
     runs.sort(key=lambda run: run.start)
     first, last = np.array([(r.start, r.stop - 1) for r in runs], int).reshape(-1, 2).T
     angle = np.array([steps.turn_rad[run].sum() for run in runs])
-    return Turns(steps.lift_s[first], steps.place_s[last], angle, first, last)
+    return Turns(
+        steps.lift_s[first],
+        steps.place_s[last],
+        angle,
+        first,
+        last,
+        steps.settings,
+        steps.warnings,
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,7 @@ class Tilt:
     """
 
     direction: TiltDirection
-    span: slice
+    span: slice = field(hash=False)  # a slice has no hash before Python 3.12
     top: int
     angle_rad: float
 

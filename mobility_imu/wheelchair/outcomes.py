@@ -180,12 +180,14 @@ class Pushes(Result):
     onset_s, peak_s : (k,) arrays, s
     speed_gain_mps : (k,) array, m/s
     settings : PushSettings that were used
+    warnings : sentences for the user
     """
 
     onset_s: FloatArray
     peak_s: FloatArray
     speed_gain_mps: FloatArray
     settings: PushSettings = field(default_factory=PushSettings)
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check that all are series of one length."""

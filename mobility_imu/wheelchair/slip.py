@@ -418,6 +418,7 @@ class SlipReport(Result):
     sources : one text per window: where its speed comes from
     share, corrected_share : of all samples, flagged and corrected, 0 to 1
     settings : SlipSettings that were used
+    warnings : sentences for the user
     """
 
     start_s: FloatArray
@@ -428,6 +429,7 @@ class SlipReport(Result):
     share: float
     corrected_share: float
     settings: SlipSettings = SlipSettings()
+    warnings: tuple[str, ...] = ()
 
     @property
     def largest_change(self) -> float:

@@ -224,7 +224,7 @@ def test_arguments_in_the_wrong_order_are_refused():
         with pytest.raises(InputError, match=message):
             estimate_trajectory(wrong, FRAME, MOUNT)
     for door in (navigate_recording, lambda name: calibrate_mount(name, FRAME)):
-        with pytest.raises(InputError, match="recording = 'tilts': expected a Recording"):
+        with pytest.raises(InputError, match="recording: got str, expected Recording"):
             door("tilts")
     with pytest.raises(InputError, match="closed_loop needs the smoother"):
         estimate_trajectory(
