@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, one_of
 from mobility_imu.quality import frozen_samples, saturated_samples
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
@@ -59,8 +60,11 @@ def navigate_recording(
         If there is no rest within the first seconds, a reading is larger than any sensor's, the
         rate is too low, or ``closed_loop`` is asked for without the smoother.
     """
-    if not isinstance(recording, Recording):
-        raise InputError(f"recording = {recording!r:.60}: expected a Recording")
+    expect("recording", recording, Recording)
+    settings = settings_or_default("settings", settings, NavigationSettings)
+    stillness = settings_or_default("stillness", stillness, StillnessSettings)
+    expect("closed_loop", closed_loop, ClosedLoop, none=True)
+    one_of("smooth", smooth, (True, False))
     if closed_loop is not None and not smooth:
         raise InputError("closed_loop needs the smoother: it cannot be had with smooth=False")
     imu, gyr = recording.sensor("frame", gyroscope=True), recording.gyroscope("frame")
@@ -80,7 +84,7 @@ def navigate_recording(
         raise InputError(
             f"{recording.source}: the frame is not still within the first {LATEST_REST_S:g} s: "
             "expected some seconds of rest at the start, which say where up is"
-            + _why_not_still(imu.acc_mps2, gyr, rate_hz, stillness or StillnessSettings())
+            + _why_not_still(imu.acc_mps2, gyr, rate_hz, stillness)
         )
     if late_s > 0.2:
         warnings.append(

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.arguments import expect, for_each, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.executors import run_all
-from mobility_imu.frames import FloatArray, as_rotation, as_vectors
+from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
@@ -214,32 +213,27 @@ def estimate_trajectory(
         If the recording has no sensor "frame" with gyroscope, no still phase at its start, or by
         the mount the frame does not stand upright there.
     """
-    if not (geometry is None or isinstance(geometry, WalkerGeometry)):
-        raise InputError(f"geometry = {geometry!r:.60}: expected a WalkerGeometry or None")
-    if not isinstance(mount, WalkerMount):
-        raise InputError(f"mount = {mount!r:.60}: expected a WalkerMount")
-    estimate = partial(
+    expect("geometry", geometry, WalkerGeometry, none=True)
+    expect("mount", mount, WalkerMount)
+    return for_each(
         _estimate_one,
+        recording,
+        executor,
         geometry=geometry,
         mount=mount,
-        settings=settings,
-        stillness=stillness,
-        smooth=smooth,
+        settings=settings_or_default("settings", settings, NavigationSettings),
+        stillness=settings_or_default("stillness", stillness, StillnessSettings),
+        smooth=one_of("smooth", smooth, (True, False)),
         closed_loop=closed_loop,
     )
-    if isinstance(recording, Recording):
-        return estimate(recording)
-    if not isinstance(recording, list | tuple):
-        raise InputError(f"recording = {recording!r:.60}: expected a Recording or a list of them")
-    return run_all(estimate, [(each,) for each in recording], executor)
 
 
 def _estimate_one(
     recording: Recording,
     geometry: WalkerGeometry | None,
     mount: WalkerMount,
-    settings: NavigationSettings | None,
-    stillness: StillnessSettings | None,
+    settings: NavigationSettings,
+    stillness: StillnessSettings,
     smooth: bool,
     closed_loop: ClosedLoop | None,
 ) -> Trajectory:
@@ -338,8 +332,8 @@ def trajectory_from_path(
         horizontal,
         yaw_sd,
         tuple(notes),
-        settings=settings or NavigationSettings(),
-        stillness=stillness or StillnessSettings(),
+        settings=settings_or_default("settings", settings, NavigationSettings),
+        stillness=settings_or_default("stillness", stillness, StillnessSettings),
     )
 
 

@@ -214,17 +214,17 @@ def test_a_mount_far_off_the_frame_is_said_if_the_frame_is_known():
 
 
 def test_arguments_in_the_wrong_order_are_refused():
-    with pytest.raises(InputError, match="geometry = WalkerMount"):
+    with pytest.raises(InputError, match="geometry: got WalkerMount"):
         estimate_trajectory(walked().recording, MOUNT, FRAME)
-    with pytest.raises(InputError, match="mount = WalkerGeometry"):
+    with pytest.raises(InputError, match="mount: got WalkerGeometry"):
         estimate_trajectory(walked().recording, FRAME, FRAME)
-    with pytest.raises(InputError, match="geometry = WalkerMount"):
+    with pytest.raises(InputError, match="geometry: got WalkerMount"):
         calibrate_mount(tilt_recording(), MOUNT)
-    for wrong, message in (("walk.csv", "or a list of them"), ([None], "None: expected a Rec")):
+    for wrong, message in (("walk.csv", "or a list of them"), ([None], "recording 0: got None")):
         with pytest.raises(InputError, match=message):
             estimate_trajectory(wrong, FRAME, MOUNT)
     for door in (navigate_recording, lambda name: calibrate_mount(name, FRAME)):
-        with pytest.raises(InputError, match="recording = 'tilts': expected a Recording"):
+        with pytest.raises(InputError, match="recording: got str, expected Recording"):
             door("tilts")
     with pytest.raises(InputError, match="closed_loop needs the smoother"):
         estimate_trajectory(
