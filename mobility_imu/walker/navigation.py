@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from mobility_imu._compiled import choose
-from mobility_imu.arguments import expect, settings_or_default
+from mobility_imu.arguments import check_limits, expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
     GAP_FACTOR,
@@ -75,6 +75,9 @@ __all__ = [
 ]
 
 _DEG = float(np.deg2rad(1))
+SIZES = 1e-12, 1e6
+"""Smallest and largest size of a setting: beyond these, squares in the filter lose all digits."""
+LONGEST_STRIDE = 10**6
 _PLAIN_S_PER_SAMPLE = 1e-4  # of the readable filter, and a fifth of it for the states alone
 
 
@@ -139,6 +142,9 @@ class NavigationSettings:
         for name in ("zero_rate", "initial_gyr_mean"):
             flag = one_of(f"NavigationSettings.{name}", getattr(self, name), (True, False))
             object.__setattr__(self, name, flag)
+        sizes = dict.fromkeys((n for n in vars(self) if n not in others), SIZES)
+        strides = dict.fromkeys(("moving_stride", "resting_stride"), (1, LONGEST_STRIDE))
+        check_limits(self, {**sizes, **strides, "upright_rad": (SIZES[0], np.pi)})
 
     def noise(self) -> eskf.Noise:
         """Squared densities for the filter."""
@@ -174,6 +180,7 @@ class ClosedLoop:
     def __post_init__(self) -> None:
         """Check both."""
         check_positive(self)
+        check_limits(self, dict.fromkeys(vars(self), SIZES))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
