@@ -104,7 +104,7 @@ def navigate_recording(
         )
     except InputError as error:
         raise InputError(f"{recording.source}: {error}") from None
-    return path, (*warnings, *_inconsistent_rests(path, recording.source))
+    return path, (*warnings, *path.warnings, *_inconsistent_rests(path, recording.source))
 
 
 def _check_size(recording: Recording) -> None:
