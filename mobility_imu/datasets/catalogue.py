@@ -80,7 +80,7 @@ def find_dataset(name: str) -> Dataset:
 
     Parameters
     ----------
-    name : as in :func:`list_datasets`
+    name : as in ``list_datasets``
 
     Returns
     -------

@@ -11,9 +11,9 @@ from mobility_imu.datasets.catalogue import Dataset, find_dataset
 from mobility_imu.errors import InputError
 
 CACHE_VARIABLE = "MOBILITY_IMU_CACHE"
-"""Environment variable: folder that takes what is fetched, instead of the platform's cache."""
+"""Environment variable; folder that takes what is fetched, instead of the platform's cache."""
 RECORDINGS_VARIABLE = "MOBILITY_IMU_RECORDINGS"
-"""Environment variable: folder with one subfolder per data set, looked at before the cache."""
+"""Environment variable; folder with one subfolder per data set, looked at before the cache."""
 NOTE = "NOTE.txt"
 """File beside the recordings that says where they are from and what was done."""
 
@@ -27,7 +27,7 @@ def dataset_folder(name: str) -> Path:
 
     Parameters
     ----------
-    name : as in :func:`~mobility_imu.datasets.list_datasets`
+    name : as in ``list_datasets``
 
     Returns
     -------
@@ -54,7 +54,7 @@ def find_folder(name: str) -> Path | None:
 
     Parameters
     ----------
-    name : as in :func:`~mobility_imu.datasets.list_datasets`
+    name : as in ``list_datasets``
 
     Returns
     -------

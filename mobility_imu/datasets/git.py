@@ -28,7 +28,7 @@ SETTINGS = (
     "http.lowSpeedTime=60",
 )
 FIRST_VERSION = "2.29"
-"""Of git: the first that fetches single objects by ids from its input."""
+"""Of git; the first that fetches single objects by ids from its input."""
 OF_ANOTHER_REPOSITORY = {
     *("GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_COMMON_DIR", "GIT_PREFIX"),
     *("GIT_OBJECT_DIRECTORY", "GIT_ALTERNATE_OBJECT_DIRECTORIES", "GIT_QUARANTINE_PATH"),

@@ -25,7 +25,7 @@ from mobility_imu.errors import InputError
 FORGOTTEN_S = 24 * 3600.0
 """An unfinished folder this old is of a process that was killed."""
 LARGEST_MEMBER = 200_000_000
-"""Bytes of one file of an archive: none of ours is a tenth of it."""
+"""Bytes of one file of an archive; none of ours is a tenth of it."""
 
 
 def fetch_dataset(name: str, *, progress: Callable[[str], None] | None = None) -> Path:
@@ -35,7 +35,7 @@ def fetch_dataset(name: str, *, progress: Callable[[str], None] | None = None) -
 
     Parameters
     ----------
-    name : as in :func:`~mobility_imu.datasets.list_datasets`
+    name : as in ``list_datasets``
     progress : called with what is being done
 
     Returns

@@ -44,7 +44,7 @@ EDGES: dict[TiltDirection, str] = {"front": "AB", "back": "CD", "right": "BC", "
 FROM_THE_RIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 FROM_BEHIND = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
 OBLIQUE = np.array([[0.45, -0.90, 0.0], [0.34, 0.10, 1.0]])
-"""View from behind and the right, from above: rows are screen right and up in the body frame."""
+"""View from behind and the right, from above; rows are screen right and up in the body frame."""
 AXIS_M = 0.13
 """Length that the IMU's axes are drawn with, m."""
 AXIS_LOOKS = (("x", "black", "-"), ("y", COLOURS["blue"], "--"), ("z", COLOURS["vermilion"], ":"))

@@ -16,7 +16,7 @@ from mobility_imu.results import Result
 HEADER_LINES = 7
 """Settings, a blank line, then type, name, id, quantity and axis of each column."""
 PARTS = 7
-"""Columns of a pose: four of its quaternion (x, y, z, w), three of its position."""
+"""Columns of a pose; four of its quaternion (x, y, z, w), three of its position."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -14,7 +14,7 @@ GYROSCOPE = [f"Gyr_{axis}" for axis in "XYZ"]
 CLOCK_RANGE = 2**32
 """The sensor's clock counts microseconds in 32 bits and starts again at 0 after 71.6 minutes."""
 LARGEST_ACC_MPS2, LARGEST_GYR_DEGPS = 200.0, 2300.0
-"""More than the sensor's ranges (16 g, 2000 deg/s): such a number is a damaged row."""
+"""More than the sensor's ranges (16 g, 2000 deg/s); such a number is a damaged row."""
 MOST_HEADER_LINES = 30
 
 

@@ -42,7 +42,7 @@ SHORTEST_STILL_S = 0.8
 POSE_SD_RAD = float(np.deg2rad(0.5))
 """Standard deviation of the controls' angles at their stops."""
 ACC_BIAS_SD, ACC_SCALE_SD, ACC_MISALIGNMENT_SD_RAD = 0.005, 0.003, float(np.deg2rad(0.2))
-"""Assumed errors of an accelerometer, sd on each axis: bias (of gravity), scale, lean of the axis.
+"""Assumed errors of an accelerometer, sd on each axis; bias (of gravity), scale, lean of the axis.
 
 They are those of the usual factory calibration; parked poses do not show them.
 """
@@ -297,7 +297,7 @@ def _standard_deviations(by_turns: FloatArray, by_faults: FloatArray) -> FloatAr
 def find_stills(parked: Recording) -> list[slice]:
     """Intervals in which lever and body rest, in the order of time.
 
-    Rest means a small rate of the lever's gyroscope for at least :data:`SHORTEST_STILL_S`; a
+    Rest means a small rate of the lever's gyroscope for at least ``SHORTEST_STILL_S``; a
     tenth of a second at each end is left out.
 
     Parameters

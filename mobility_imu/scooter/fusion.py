@@ -43,11 +43,11 @@ LARGEST_VALID_SD_RAD = float(np.deg2rad(20.0))
 SMALLEST_NOISE_MPS2 = 1e-3
 """Noise that :func:`acceleration_noise` finds at least; no accelerometer of a scooter has less."""
 SLOWEST_RATE_HZ = 10.0
-"""Sampling rate below which the rates cannot be integrated: the controls turn within 0.1 s."""
+"""Sampling rate below which the rates cannot be integrated; the controls turn within 0.1 s."""
 LARGEST_ACC_MPS2 = 2000.0
-"""Largest component of an acceleration, m/s²: beyond what such sensors measure (200 g)."""
+"""Largest component of an acceleration, m/s²; beyond what such sensors measure (200 g)."""
 LARGEST_RATE_RADPS = 100.0
-"""Largest component of a rate, rad/s: beyond what such sensors measure (4000 deg/s is 70)."""
+"""Largest component of a rate, rad/s; beyond what such sensors measure (4000 deg/s is 70)."""
 # Beyond these the squares in the filter's matrices lose all digits.
 SETTING_LIMITS = {
     "acc_sd_mps2": (1e-4, 1e8),
@@ -108,7 +108,7 @@ class FusedAngles(Result):
     steering_rad, throttle_rad : (n,) arrays, rad
     steering_sd_rad, throttle_sd_rad : (n,) arrays, rad, one standard deviation
     valid : (n,) bool array: the numbers are finite, and the sd of the steering is below
-        :data:`LARGEST_VALID_SD_RAD`
+        ``LARGEST_VALID_SD_RAD``
     settings : FusionSettings, with the noise that was taken from the recording
     warnings : sentences for the user
     """
@@ -151,7 +151,7 @@ def acceleration_noise(lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike) -> f
     Whatever the angles, both IMUs should measure the same length; the spread of the difference
     (robust, from the median absolute deviation) is the noise along one direction. Readings that
     repeat themselves, of a coarse or a dead converter, have no spread that means anything: the
-    noise is one step of the converter at least, and :data:`SMALLEST_NOISE_MPS2`.
+    noise is one step of the converter at least, and ``SMALLEST_NOISE_MPS2``.
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ def fuse_angles(
     ----------
     lever_acc_mps2, lever_gyr_radps : (n, 3) arrays, m/s² and rad/s, in {T}, all finite
     body_acc_mps2, body_gyr_radps : (n, 3) arrays, m/s² and rad/s, in {B}, all finite
-    sampling_rate_hz : Hz, even samples, at least :data:`SLOWEST_RATE_HZ`
+    sampling_rate_hz : Hz, even samples, at least ``SLOWEST_RATE_HZ``
     geometry : ScooterGeometry
     settings : FusionSettings; None is the default, with the noise taken from the recording
     smooth : whether each angle uses the whole recording; False uses the past only
@@ -253,7 +253,7 @@ def fuse_angles(
     -------
     FusedAngles
         ``valid`` is true where the numbers are finite and the steering's standard deviation is
-        below :data:`LARGEST_VALID_SD_RAD`. It cannot see a sensor that is frozen, saturated or
+        below ``LARGEST_VALID_SD_RAD``. It cannot see a sensor that is frozen, saturated or
         turned.
 
     Raises

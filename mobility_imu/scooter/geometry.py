@@ -93,7 +93,7 @@ class ScooterGeometry:
 
     @property
     def lean_rad(self) -> float:
-        """Angle of the lever's IMU to the shaft with the throttle at rest: alpha less beta, rad."""
+        """Angle of the lever's IMU to the shaft with the throttle at rest; alpha less beta, rad."""
         return self.steering_inclination_rad - self.lever_inclination_rad
 
     @classmethod

@@ -93,7 +93,7 @@ def scooter_bundle(seed: int, course: str = "curves") -> Contents:
     Parameters
     ----------
     seed : the same seed gives the same contents
-    course : name in :data:`~mobility_imu.simulation.scooter.COURSES`
+    course : name in ``mobility_imu.simulation.scooter.COURSES``
 
     Returns
     -------

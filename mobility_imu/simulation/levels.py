@@ -40,7 +40,7 @@ __all__ = [
 ]
 
 DATASHEET = without(MTI_1, "scale_sd", "misalignment_sd_rad", "g_sensitivity_sd")
-"""The walker's sensor with the errors of its data sheet alone: noise, bias, range, bandwidth."""
+"""The walker's sensor with the errors of its data sheet alone; noise, bias, range, bandwidth."""
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Walking frame with one IMU: calibrated by tilting, then followed (Doan & Pham).
 
-The way of the data: :class:`WalkerGeometry` is measured, :func:`calibrate_mount` finds the
-:class:`WalkerMount`, :func:`estimate_trajectory` the path, :func:`find_steps` the steps of the
-frame, :func:`walking_summary` and the walking tests what they say.
+The way of the data: ``WalkerGeometry`` is measured, ``calibrate_mount`` finds the
+``WalkerMount``, ``estimate_trajectory`` the path, ``find_steps`` the steps of the
+frame, ``walking_summary`` and the walking tests what they say.
 """
 
 from mobility_imu.walker.calibration import WalkerCalibration, calibrate_mount

@@ -47,7 +47,7 @@ __all__ = [
 ]
 
 SATURATED_ACC_SD_MPS2 = 20.0
-"""Noise of one sample, m/s², where the sensor is at the end of its range: nothing is known."""
+"""Noise of one sample, m/s², where the sensor is at the end of its range; nothing is known."""
 
 _EYE3, _EYE15 = np.eye(3), np.eye(15)
 

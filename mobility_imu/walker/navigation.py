@@ -76,7 +76,7 @@ __all__ = [
 
 _DEG = float(np.deg2rad(1))
 SIZES = 1e-12, 1e6
-"""Smallest and largest size of a setting: beyond these, squares in the filter lose all digits."""
+"""Smallest and largest size of a setting; beyond these, squares in the filter lose all digits."""
 LONGEST_STRIDE = 10**6
 _PLAIN_S_PER_SAMPLE = 1e-4  # of the readable filter, and a fifth of it for the states alone
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["GaitSettings", "Steps", "Turns", "find_steps", "find_turns"]
 
 _LONGEST_SWING_S = 3.0
-"""Nobody who walks holds the frame up for longer: such a move will be several."""
+"""Nobody who walks holds the frame up for longer; such a move will be several."""
 _STANDING_TILT_RAD = float(np.deg2rad(2))
 """A frame that stands leans with the floor; one that is in the air is pitched by more."""
 

@@ -53,7 +53,7 @@ class StillnessSettings:
 
     @property
     def eroded_s(self) -> float:
-        """What a still interval loses at each of its ends, s: margin and shortening together."""
+        """What a still interval loses at each of its ends, s; margin and shortening together."""
         return self.margin_s + self.shorten_s
 
 

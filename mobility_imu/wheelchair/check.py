@@ -37,7 +37,7 @@ LARGEST_MISMATCH = 0.2
 GYROSCOPE_SCALE_SD = 0.003
 GYROSCOPE_MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))
 BLOCK_S = 1.0
-"""Residuals last about a push: those of one block are taken together."""
+"""Residuals last about a push; those of one block are taken together."""
 # Below this, track, mismatch of the radii and offset cannot be told apart.
 SMALLEST_INDEPENDENT_PART = 1e-6
 

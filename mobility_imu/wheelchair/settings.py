@@ -22,7 +22,7 @@ MAY_BE_ZERO = (
     "look_s",
 )
 MOST_FRAMES = 10**9
-"""No recording is longer: a segment of more frames comes from a wrong unit."""
+"""No recording is longer; a segment of more frames comes from a wrong unit."""
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ FIX_STEP_S = 0.01
 GRID_S = 0.05
 CUTOFF_HZ = 0.5
 LARGEST_JUMP_MPS2 = 8.0
-"""Between fixes no car changes its speed faster: the receiver is at fault there."""
+"""Between fixes no car changes its speed faster; the receiver is at fault there."""
 JUMP_MARGIN_S = 1.5
 AXIS_M, ECCENTRICITY_SQUARED = 6378137.0, 0.00669438
 """Ellipsoid WGS 84."""

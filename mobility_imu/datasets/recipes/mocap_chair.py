@@ -31,10 +31,10 @@ SENSOR = re.compile(
 PERSON = re.compile(r"data/(test_[^/]+/[^/]+)/[^/]+/")
 PLACES = {"frame": "chair", "right_wheel": "x-imu3"}
 ONE_CHAIR = "test_02.13"
-"""On this day all sat in one kind of chair: its radius and track are fitted together."""
+"""On this day all sat in one kind of chair; its radius and track are fitted together."""
 RATE_HZ = 50.0
 SMALL_BYTES = 4 * 2**20
-"""Captures of this size or more were not at hand when the choice was made: they change nothing."""
+"""Captures of this size or more were not at hand when the choice was made; they change nothing."""
 SHORTEST_SAMPLES = 200
 SHORTEST_CUT_SAMPLES = 50
 RADIUS_TOLERANCE = 0.012

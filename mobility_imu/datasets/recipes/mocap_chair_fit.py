@@ -25,7 +25,7 @@ CUTOFF_HZ = 3.0
 BRIDGED_FRAMES = 6
 """Gaps up to 50 ms are interpolated."""
 MARGIN_FRAMES = 32
-"""Unused frames on both sides of a longer gap: there the low-pass knows too little."""
+"""Unused frames on both sides of a longer gap; there the low-pass knows too little."""
 FEWEST_FRAMES = 300
 SEARCH_S = (-3.0, 5.0)
 """Motion capture begins within these times of the recording's start."""

@@ -17,13 +17,13 @@ from mobility_imu.recording import Imu, Recording
 FILE = re.compile(r"data/dataset/trial([12])/(imu_rigid|imu_nonrigid|omc)\.csv")
 LABELS = {"imu_rigid": "rigid", "imu_nonrigid": "foam"}
 BODY, MIDDLE, LEVER = 3, 4, 5
-"""Segments: the hinge between 3 and 4 steers, the one between 4 and 5 is the throttle."""
+"""Segments; the hinge between 3 and 4 steers, the one between 4 and 5 is the throttle."""
 LATE_SAMPLES = {1: 0, 2: 1}
 """In trial 2 the IMUs are one sample late."""
 TURN = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0.0]])
 """The segments' axes (z, x, y) are the scooter's (x, y, z)."""
 MARGIN_FRAMES = 9
-"""Around lost markers the pose is not used: half of this on either side."""
+"""Around lost markers the pose is not used; half of this on either side."""
 GEOMETRY = "[scooter]\nsteering_inclination_deg = 45.0\nlever_inclination_deg = 45.0\n"
 
 

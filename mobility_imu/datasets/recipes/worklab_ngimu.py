@@ -20,9 +20,9 @@ FILE = re.compile(
 PLACES = {"Frame": "frame", "Left": "left_wheel", "Right": "right_wheel"}
 RATE_HZ = 400.0
 STILL_RADPS = 0.12
-"""Slower on every axis of every sensor: rest, with a person in the chair."""
+"""Slower on every axis of every sensor; rest, with a person in the chair."""
 FAST_RADPS, LEVEL_RADPS = 2.0, 0.12
-"""Wheels faster and the frame slower than this: straight driving."""
+"""Wheels faster and the frame slower than this; straight driving."""
 EDGE_S = 0.25
 GEOMETRY = """\
 # The values that worklab's own example assumes; nobody states that they were measured.

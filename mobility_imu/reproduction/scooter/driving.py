@@ -1,7 +1,7 @@
 """Suzurikawa et al. 2022, the driving test: 4 drivers, 3 runs, 5 courses, on many drawn scooters.
 
 No recording is public. Rides are simulated with the assumptions of
-:mod:`mobility_imu.simulation.scooter`, many of them set by hand. What comes out is a distribution
+``mobility_imu.simulation.scooter``, many of them set by hand. What comes out is a distribution
 over scooters that the paper's could have been, never a copy of the paper's one.
 
 :mod:`mobility_imu.reproduction.scooter.driving_record` keeps the whole study.
@@ -91,7 +91,7 @@ class Conditions:
 
     Parameters
     ----------
-    layout, ground, shaking, reference, sensor : see :mod:`mobility_imu.simulation.scooter`
+    layout, ground, shaking, reference, sensor : see ``mobility_imu.simulation.scooter``
     mounting : whether the IMUs are mounted with an error
     median_window : samples, of the paper's filter
     """
@@ -238,7 +238,7 @@ class StudySettings:
     Parameters
     ----------
     drivers, runs : how many of each, on every course
-    courses : names from :data:`~mobility_imu.simulation.scooter.COURSES`
+    courses : names from ``mobility_imu.simulation.scooter.COURSES``
     estimators : names from :data:`ESTIMATORS`
     calibrations : name to what finds the mounting, or None for none at all; module-level functions,
         so that they can be sent to another process
@@ -412,7 +412,7 @@ def make_ride(
     Parameters
     ----------
     scooter : seed
-    course : name in :data:`~mobility_imu.simulation.scooter.COURSES`
+    course : name in ``mobility_imu.simulation.scooter.COURSES``
     driver, run : numbers from 0 to 15
     conditions : Conditions
     unit : ScooterUnit; None draws that of the seed

@@ -77,7 +77,7 @@ ESTIMATORS = ("single", "dual")
 SCOOTERS = 100
 SWEPT_SCOOTERS = 24
 PLAY_PER_NOISE = 2.0
-"""Width of the backlash over the sd of the reading, if a control is approached from either side:
+"""Width of the backlash over the sd of the reading, if a control is approached from either side;
 the wire is half a width behind or ahead."""
 SEED = 1
 PRINTED = Sampling()
@@ -192,7 +192,7 @@ def course_of(name: str, variation: Variation) -> Course:
 
     Parameters
     ----------
-    name : in :data:`~mobility_imu.simulation.scooter.COURSES`
+    name : in ``mobility_imu.simulation.scooter.COURSES``
     variation : Variation
 
     Returns

@@ -218,7 +218,7 @@ def walking_study(
     Parameters
     ----------
     seeds : one per repetition
-    course : what is walked, see :mod:`mobility_imu.simulation.walker`
+    course : what is walked, see ``mobility_imu.simulation.walker``
     levels : name to Level
     smooth : whether to smooth
     poses : mountings of Table 1

@@ -21,7 +21,7 @@ from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.sensor import LPMS_CU2, SensorModel, measure
 
 PARKED_POSES_DEG = ((50, 0), (50, 40), (0, 40), (0, 0), (-50, 0), (-50, 40))
-"""Steering and throttle of six poses for the calibration, in an order that is quick: steering at
+"""Steering and throttle of six poses for the calibration, in an order that is quick; steering at
 both locks and straight, lever released and pressed."""
 PARKED_POSES_RAD = tuple((float(s), float(t)) for s, t in np.deg2rad(PARKED_POSES_DEG))
 """The same in rad."""
