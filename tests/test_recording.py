@@ -196,7 +196,7 @@ def test_other_units_are_guessed(factor, says):
 def test_readings_that_no_sensor_gives_are_named(value):
     broken = STILL.copy()
     broken[7, 1] = value
-    with pytest.raises(InputError, match=r"walk\.csv: frame_acc reaches .* at sample 7, more than"):
+    with pytest.raises(InputError, match=r"walk\.csv: frame_acc_y is .* \(sample 7\), more than"):
         recording(frame=Imu(broken))
 
 
