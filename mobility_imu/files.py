@@ -329,7 +329,7 @@ def _keep_owner(part: Path, before: os.stat_result) -> None:
 
 
 def _remember(path: Path, place: Destination, tidy: ExitStack, undo: ExitStack) -> None:
-    """Have ``undo`` bring back what stands at the target now."""
+    """Register the target's present file with ``undo``, which restores it."""
     if place.before is None:
         undo.callback(_quietly, place.target.unlink)
         return

@@ -176,7 +176,7 @@ def _own(heard: Iterable[warnings.WarningMessage]) -> list[str]:
 
 
 class _Steps(logging.Handler):
-    """What takes long is said before it begins, such as compiling."""
+    """Handler that prints what takes long, such as compiling, before it begins."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print one record."""

@@ -67,7 +67,7 @@ def fetch_dataset(name: str, *, progress: Callable[[str], None] | None = None) -
 
 
 def note_text(dataset: Dataset, note: Note, folder: Path) -> str:
-    """Text that stands beside the recordings: origin, licence, and what was done.
+    """Text of the note beside the recordings: origin, licence, and what was done.
 
     Parameters
     ----------

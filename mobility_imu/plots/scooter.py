@@ -303,7 +303,7 @@ def _arc(
     at: float = 0.5,
     arrow: bool = False,
 ) -> None:
-    """Draw an arc; its label stands ``push`` outside of it, ``at`` a share of the way along."""
+    """Draw an arc; its label lies ``push`` outside of it, at the fraction ``at`` of the way."""
     colour, _ = FRAME_COLOURS[frame]
     angle = np.linspace(start, stop, 40)
     points = np.asarray(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)])

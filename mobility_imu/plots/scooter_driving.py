@@ -294,7 +294,7 @@ def plot_errors(
     Returns
     -------
     Figure: rows (a) steering, (b) throttle; one column per course. Bars: all scooters together;
-    thick lines: their cumulative share; thin lines: that of each scooter
+    thick lines: their cumulative fraction; thin lines: that of each scooter
     """
     import matplotlib.pyplot as plt
 

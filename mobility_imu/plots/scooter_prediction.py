@@ -146,14 +146,14 @@ def plot_ranks(
 
     Parameters
     ----------
-    below : (table, p) array, 1, share of the draws below the true value
+    below : (table, p) array, 1, fraction of the draws below the true value
     names : of the p faults
     chosen : the identified ones, drawn darker
     bins : of each histogram
 
     Returns
     -------
-    Figure with one panel per fault; the band holds 99 of 100 counts if the shares are even
+    Figure with one panel per fault; the band holds 99 of 100 counts if the fractions are even
     """
     import matplotlib.pyplot as plt
     from scipy import stats

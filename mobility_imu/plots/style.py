@@ -126,7 +126,7 @@ def show_table(
     digits : behind the decimal point
     index : whether the rows' labels are shown
     caption : text above the table
-    missing : what stands for NaN
+    missing : text shown for NaN
 
     Returns
     -------

@@ -62,7 +62,7 @@ def plot_stillness(
 
 
 def plot_threshold_sweep(table: pd.DataFrame, chosen: float) -> Figure:
-    """Plot distance error and share of still samples against the detector's rate threshold.
+    """Plot distance error and fraction of still samples against the detector's rate threshold.
 
     Parameters
     ----------

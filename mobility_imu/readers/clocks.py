@@ -27,7 +27,7 @@ def check_rate(sampling_rate_hz: float, source: str, *, clock: bool = False) -> 
     Parameters
     ----------
     sampling_rate_hz : Hz
-    source : what stands at the head of the message
+    source : the first words of the message
     clock : whether the rate was found from a time column, so that its unit may be wrong
 
     Returns
@@ -92,7 +92,7 @@ def fill_gaps(
     time_s : (n,) array, s
     sensors : sensor name to Imu, each with n samples
     longest_s : s, longer gaps stay
-    source : what stands at the head of a message; a warning says how much was filled in
+    source : the first words of a message; a warning says how much was filled in
 
     Returns
     -------
@@ -151,7 +151,7 @@ def join_streams(
     rate_hz : Hz, of the common clock, which starts at 0 with the sensor that begins last and ends
         with the one that ends first
     offsets_s : s, added to a sensor's stamps, for sensors whose clocks differ by a constant
-    source : what stands at the head of a message
+    source : the first words of a message
 
     Returns
     -------

@@ -115,7 +115,7 @@ def read_arrays(
 
 
 def find_table(path: str | Path, section: str) -> dict[str, Any] | None:
-    """Section of a TOML file as it stands there, None if there is none.
+    """Section of a TOML file as the file has it, None if there is none.
 
     Parameters
     ----------

@@ -111,7 +111,7 @@ class NumberTable(Result):
         Raises
         ------
         InputError
-            If a column is missing, or any name of the table stands twice.
+            If a column is missing, or any name of the table appears twice.
         """
         places = self._places
         missing = [name for name in wanted if name.lower() not in places]

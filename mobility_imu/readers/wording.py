@@ -38,7 +38,7 @@ def quoted(text: str, longest: int = LONGEST_QUOTE) -> str:
 
     Parameters
     ----------
-    text : as it stands in the file
+    text : as the file has it
     longest : characters that are kept
 
     Returns

@@ -207,7 +207,7 @@ def check(claim: Claim) -> Outcome:
 
 
 def share_rule(cases: int, note: str = "") -> dict[str, Any]:
-    """How a share of cases is judged that should be 1: a coin must hardly reach it.
+    """How a fraction of cases is judged that should be 1: a coin must hardly reach it.
 
     Parameters
     ----------

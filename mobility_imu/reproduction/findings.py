@@ -41,7 +41,7 @@ OPPOSITE: dict[Relation, Relation] = {
 
 
 class Evidence(NamedTuple):
-    """Numbers that a finding stands or falls with.
+    """Numbers that decide whether a finding holds.
 
     Parameters
     ----------

@@ -101,7 +101,7 @@ class WalkerMount(Result):
         ----------
         path : file to write the text to; None writes none
         geometry : WalkerGeometry, written before it as section [walker]
-        comment : line of text that stands first in the section, such as how the mount was found
+        comment : first line of the section, such as how the mount was found
 
         Returns
         -------

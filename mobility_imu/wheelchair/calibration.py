@@ -256,7 +256,7 @@ def calibrate_mount(static: Recording, straight: Recording) -> WheelchairCalibra
 
 
 def _axle(straight: Recording, side: Side) -> tuple[FloatArray, float]:
-    """Direction and off-axle share of one wheel, from a trial that shows them."""
+    """Direction and off-axle fraction of one wheel, from a trial that shows them."""
     gyr = straight.gyroscope(f"{side}_wheel")
     travel = float(np.linalg.norm(gyr, axis=1).sum() / straight.sampling_rate_hz)
     if travel < SMALLEST_TRAVEL_RAD:

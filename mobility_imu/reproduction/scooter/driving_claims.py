@@ -108,7 +108,7 @@ def _runs() -> int:
 
 
 def _of_pairs() -> dict[str, Any]:
-    """How a share of the pairs of scooter and course is judged."""
+    """How a fraction of the pairs of scooter and course is judged."""
     return share_rule(_record()["scooters"] * len(COURSES)) | COIN
 
 

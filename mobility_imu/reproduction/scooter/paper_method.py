@@ -1,7 +1,7 @@
 """From the recording of a ride to both angles, as the paper does it (section 2.5).
 
 The paper's order: keep what was recorded in motion, by the Hall pulses of a rear wheel; smooth the
-accelerations with a median of 25 samples; apply eqs. 6 and 7. Beside it stands the compensation of
+accelerations with a median of 25 samples; apply eqs. 6 and 7. Beside it is the compensation of
 its reference 37: subtract the body's acceleration from the lever's.
 """
 

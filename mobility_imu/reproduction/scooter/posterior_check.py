@@ -3,7 +3,7 @@
 Simulation-based calibration. Faults are drawn from the prior; the table that they give gets exactly
 the scatter that the likelihood assumes (normal, the standard deviations of Table 1's cells, cells
 independent); the sampler then gets this table as if it were the printed one. Over many tables, a
-fault's true value must lie below a share u of the draws that is even between 0 and 1, and inside
+fault's true value must lie below a fraction u of the draws that is even between 0 and 1, and inside
 the 90 % interval in 90 of 100 tables. A simulated cell may be negative; the likelihood allows it.
 """
 
@@ -41,7 +41,7 @@ class TableCheck(NamedTuple):
 
     Parameters
     ----------
-    below : (p,) array, 1, share of the draws that lie below the true value
+    below : (p,) array, 1, fraction of the draws that lie below the true value
     rhat : largest R-hat between the runs over the p faults
     effective : smallest effective number of draws over the p faults
     """
@@ -93,7 +93,7 @@ def check_table(table: int, sampling: Sampling = SHORTER) -> TableCheck:
 
 
 def coverage(below: FloatArray, share: float = 0.9) -> FloatArray:
-    """How often the central interval with this share of the draws holds the true value.
+    """How often the central interval with this fraction of the draws holds the true value.
 
     Parameters
     ----------

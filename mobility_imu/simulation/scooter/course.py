@@ -43,7 +43,7 @@ class Stretch(NamedTuple):
 
 @dataclass(frozen=True)
 class Course:
-    """A named sequence of stretches.
+    """A named sequence of parts, one after the other.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class Course:
     Raises
     ------
     InputError
-        If there is no stretch, or a length or a slope is impossible; the message says which.
+        If there is no part, or a length or a slope is impossible; the message says which.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Course:
     transition_m: float = 0.8
 
     def __post_init__(self) -> None:
-        """Check every stretch."""
+        """Check every part."""
         object.__setattr__(self, "stretches", tuple(self.stretches))
         check_positive(self, "transition_m", allow_zero=("transition_m",))
         if not self.stretches:
@@ -88,12 +88,12 @@ class Course:
 
         Parameters
         ----------
-        points : number of points of each stretch
+        points : number of points of each part
 
         Returns
         -------
-        one (points, 3) array for each stretch, m: x right, y forward, z up from the start; a
-        stretch begins where the one before ends
+        one (points, 3) array for each part, m: x right, y forward, z up from the start; a
+        part begins where the one before ends
         """
         points = as_count(points, "points", least=2)
         start, heading, lines = np.zeros(3), 0.0, []
@@ -196,7 +196,7 @@ def middle_line(course: Course) -> tuple[FloatArray, FloatArray]:
 
 
 def level_at(course: Course, distance: FloatArray, what: str, blend_m: float) -> FloatArray:
-    """Value of a stretch's property along the path; changes are S-shaped over blend_m.
+    """Value of one property along the path, part by part; changes are S-shaped over blend_m.
 
     Parameters
     ----------

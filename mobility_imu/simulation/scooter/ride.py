@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SimulatedRide(Result):
-    """One run: what was recorded, what the reference said, and the truth.
+    """One run: what was recorded, what the reference measured, and the truth.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ SIDES: tuple[Side, Side] = ("left", "right")
 
 @dataclass(frozen=True)
 class Leg:
-    """A stretch of a drive with one speed and one yaw rate.
+    """An interval of a drive with one speed and one yaw rate.
 
     Parameters
     ----------
