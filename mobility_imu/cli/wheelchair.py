@@ -72,25 +72,29 @@ def velocity(
         smooth_recording(recording, smoothing, window=filter_window, order=filter_order)
         for recording in _read(trials, sampling_rate_hz, fill_gaps_s)
     )
-    calibration = _calibrated(drive, still, line)
+    calibration = _calibrated(drive, still, line, take_off_offsets=camber != "printed")
     settings = (
         VelocitySettings(form="printed", slip_correction=slip_correction, slip_method="tool")
         if camber == "printed"
         else VelocitySettings(slip_correction=slip_correction)
     )
-    found = estimate_velocity(drive, chair, calibration.mount, settings)
+    found = estimate_velocity(
+        drive, chair, calibration.mount, settings, offsets=calibration.offsets
+    )
     _warn((*calibration.warnings, *found.warnings))
     outputs.write({output: csv_bytes(found.to_frame(), output)})
 
 
-def _calibrated(drive: Recording, still: Recording, line: Recording) -> WheelchairCalibration:
+def _calibrated(
+    drive: Recording, still: Recording, line: Recording, *, take_off_offsets: bool = True
+) -> WheelchairCalibration:
     from mobility_imu.wheelchair import calibrate_mount
 
     # Here the straight-line trial's file can be named, which the mount does not know any more.
     for name in ("left_wheel", "right_wheel"):
         if name in drive.sensors:
             line.sensor(name, gyroscope=True)
-    return calibrate_mount(still, line)
+    return calibrate_mount(still, line, take_off_offsets=take_off_offsets)
 
 
 def _warn(messages: Iterable[str]) -> None:

@@ -9,7 +9,7 @@ for any mounting, and make a forward roll positive on both wheels.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -18,6 +18,13 @@ from scipy import ndimage
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
+from mobility_imu.offsets import (
+    GyroscopeOffset,
+    merge_offsets,
+    offset_warnings,
+    rest_offsets,
+    without_offsets,
+)
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
@@ -166,11 +173,15 @@ class WheelchairCalibration(Result):
     mount : WheelchairMount
     off_axle_share : (left, right), root mean square of the rate across the axle over that along
         it in the straight line; near 0 when the chair went straight, NaN without a sensor
+    offsets : sensor to :class:`~mobility_imu.offsets.GyroscopeOffset`, as found at rest and taken
+        off; for :func:`~mobility_imu.wheelchair.velocity.estimate_velocity`, whose recording may
+        have no rest
     warnings : sentences on what is missing; empty if nothing is
     """
 
     mount: WheelchairMount
     off_axle_share: WheelPair
+    offsets: dict[str, GyroscopeOffset] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
 
@@ -205,17 +216,21 @@ def axle_direction(gyr_radps: ArrayLike) -> tuple[FloatArray, float]:
     return directions[:, -1] * np.sign(turned), off_axle
 
 
-def calibrate_mount(static: Recording, straight: Recording) -> WheelchairCalibration:
+def calibrate_mount(
+    static: Recording, straight: Recording, *, take_off_offsets: bool = True
+) -> WheelchairCalibration:
     """Find how the IMUs are mounted, from the two trials of the document (section 1.1).
 
     Up is the frame IMU's mean acceleration at rest, the axles come from the straight line, and
     forward is the horizontal direction in which the frame accelerates together with the wheels.
+    The gyroscopes' offsets are found where the chair rests in either trial, and taken off.
 
     Parameters
     ----------
     static : the chair standing still
     straight : the chair pushed straight forward, some metres, from rest or rolling; a wheel whose
         sensor is missing gets no rotation, with a warning
+    take_off_offsets : False uses the rates as they are, as the document does
 
     Returns
     -------
@@ -229,8 +244,17 @@ def calibrate_mount(static: Recording, straight: Recording) -> WheelchairCalibra
     """
     expect("static", static, Recording)
     expect("straight", straight, Recording)
-    up = _up(static)
+    one_of("take_off_offsets", take_off_offsets, (True, False))
+    at_rest = _offsets(static) if take_off_offsets else {}
+    up = _up(without_offsets(static, at_rest))
     present = [side for side in SIDES if f"{side}_wheel" in straight.sensors]
+    offsets = merge_offsets(_offsets(straight), at_rest) if take_off_offsets else {}
+    warnings = (
+        offset_warnings(straight, offsets, ["frame", *(f"{side}_wheel" for side in present)])
+        if take_off_offsets
+        else ()
+    )
+    straight = without_offsets(straight, offsets)
     axles = {side: _axle(straight, side) for side in present or SIDES}
     _check_heading(straight, up)
     rates = [straight.gyroscope(f"{side}_wheel") @ axle for side, (axle, _) in axles.items()]
@@ -247,12 +271,27 @@ def calibrate_mount(static: Recording, straight: Recording) -> WheelchairCalibra
         off_axle_share=WheelPair(
             *(axles[side][1] if side in axles else float("nan") for side in SIDES)
         ),
-        warnings=tuple(
-            f"{straight.source}: no sensor on the {side} wheel; the mount holds for the other only"
-            for side in SIDES
-            if side not in axles
+        offsets=offsets,
+        warnings=(
+            *(
+                f"{straight.source}: no sensor on the {side} wheel; the mount holds for the other "
+                "only"
+                for side in SIDES
+                if side not in axles
+            ),
+            *warnings,
         ),
     )
+
+
+def _offsets(trial: Recording) -> dict[str, GyroscopeOffset]:
+    """Offsets of the chair's gyroscopes that the trial has, by its rests."""
+    names = [
+        name
+        for name in ("frame", *(f"{side}_wheel" for side in SIDES))
+        if name in trial.sensors and trial.sensors[name].gyr_radps is not None
+    ]
+    return rest_offsets(trial, names)
 
 
 def _axle(straight: Recording, side: Side) -> tuple[FloatArray, float]:

@@ -34,12 +34,14 @@ from mobility_imu.wheelchair.outcomes import (
     task_events,
     turn_direction,
 )
+from mobility_imu.wheelchair.uncertainty import (
+    velocity_standard_deviation,
+    wheel_yaw_standard_deviation,
+)
 from mobility_imu.wheelchair.velocity import (
     linear_velocity,
     single_wheel_velocity,
-    velocity_standard_deviation,
     wheel_yaw_rate,
-    wheel_yaw_standard_deviation,
 )
 
 CHAIR = SAMPLE_CHAIR
