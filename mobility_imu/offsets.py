@@ -120,7 +120,7 @@ class GyroscopeOffset(Result):
         ----------
         axis : (3,) array, unit vector in the sensor's axes
         """
-        return float(np.hypot.reduce(as_vectors(axis, "axis", ndim=1) * self.noise_radps))
+        return float(np.linalg.norm(as_vectors(axis, "axis", ndim=1) * self.noise_radps))
 
 
 def rest_flags(
