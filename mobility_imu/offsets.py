@@ -49,8 +49,10 @@ BLOCK_S = 0.5
 SHORTEST_REST_S = 1.0
 LARGEST_OFFSET_RADPS = 0.15
 """Nothing that is sold has more (8.6 deg/s): it is a steady turn."""
-LARGE_OFFSET_RADPS = float(np.deg2rad(0.5))
-"""From this size on a warning states the offset: 15 deg in half a minute."""
+LARGE_OFFSET_RADPS = float(np.deg2rad(1.0))
+"""From this size on a warning states the offset: it makes 30 deg in half a minute."""
+LARGE_SD_RADPS = float(np.deg2rad(0.5))
+"""From this uncertainty on too."""
 UNKNOWN_OFFSET_SD_RADPS = float(np.deg2rad(0.5))
 """Offset of a usual sensor of which no rest is known (MTi-1: 0.5 deg/s, data sheet)."""
 DRIFT_SD_RADPS = float(np.deg2rad(0.1))
@@ -111,7 +113,7 @@ class GyroscopeOffset(Result):
         axis : (3,) array, unit vector in the sensor's axes
         """
         unit = as_vectors(axis, "axis", ndim=1)
-        return float(np.sqrt(max(unit @ self.covariance @ unit, 0.0)))
+        return float(np.sqrt(max(float(unit @ self.covariance @ unit), 0.0)))
 
     def noise_along(self, axis: ArrayLike) -> float:
         """Standard deviation in rad/s of one sample's noise along one direction.
@@ -349,7 +351,7 @@ def offset_warnings(
         if name not in offsets:
             continue
         size, sd = offsets[name].offset_radps, offsets[name].sd_radps
-        if np.abs(size).max() > LARGE_OFFSET_RADPS or sd.max() > LARGE_OFFSET_RADPS:
+        if np.abs(size).max() > LARGE_OFFSET_RADPS or sd.max() > LARGE_SD_RADPS:
             shown = ", ".join(
                 f"{axis} {np.rad2deg(v):.2f} ± {np.rad2deg(s):.2f}"
                 for axis, v, s in zip("xyz", size, sd, strict=True)

@@ -9,6 +9,7 @@ for any mounting, and make a forward roll positive on both wheels.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
@@ -54,6 +55,8 @@ SMALLEST_TRAVEL_RAD = np.pi
 # In a straight line a wheel's gyroscope sees its axle only; turning shows up across it.
 LARGEST_OFF_AXLE_SHARE = 0.15
 LARGEST_HEADING_CHANGE_RAD = np.deg2rad(45)
+# A trial whose straightest part is less of its way was no straight line with a bend.
+SMALLEST_PART_OF_THE_WAY = 0.4
 ACCELERATION_SMOOTHING_S = 0.15
 # 0.15 m/s for a usual wheel; with less, the forward direction would be read from noise.
 SMALLEST_RATE_CHANGE_RADPS = 0.5
@@ -255,8 +258,11 @@ def calibrate_mount(
         if take_off_offsets
         else ()
     )
-    straight, part_used = _straightest(without_offsets(straight, offsets), up, present or SIDES)
-    axles = {side: _axle(straight, side, up) for side in present or SIDES}
+    whole = without_offsets(straight, offsets)
+    straight, refusal, part_used = _straightest(whole, up, present or SIDES)
+    axles = {side: _axle(straight, side, None if refusal else up) for side in present or SIDES}
+    if refusal:
+        raise InputError(refusal)
     rates = [straight.gyroscope(f"{side}_wheel") @ axle for side, (axle, _) in axles.items()]
     forward = _forward(straight, up, np.mean(rates, axis=0))
     rotations = {
@@ -295,8 +301,11 @@ def _offsets(trial: Recording) -> dict[str, GyroscopeOffset]:
     return rest_offsets(trial, names)
 
 
-def _axle(straight: Recording, side: Side, up: FloatArray) -> tuple[FloatArray, float]:
-    """Direction and off-axle share of one wheel, from a trial that shows them."""
+def _axle(straight: Recording, side: Side, up: FloatArray | None) -> tuple[FloatArray, float]:
+    """Direction and off-axle share of one wheel, from a trial that shows them.
+
+    With ``up``, what the frame turns by is no sign of a loose sensor: rough ground wobbles.
+    """
     gyr = straight.gyroscope(f"{side}_wheel")
     travel = _travel(straight, side)[-1]
     if travel < SMALLEST_TRAVEL_RAD:
@@ -308,10 +317,11 @@ def _axle(straight: Recording, side: Side, up: FloatArray) -> tuple[FloatArray, 
         direction, share = axle_direction(gyr)
     except InputError as error:
         raise InputError(f"{straight.source}: {side} wheel: {error}") from None
-    # What the frame turns by lies across the axle of a sound sensor, too: rough ground wobbles.
-    along = float(np.sqrt(np.mean(np.square(gyr @ direction))))
-    yaw = float(np.sqrt(np.mean(np.square(straight.gyroscope("frame") @ up))))
-    unexplained = float(np.sqrt(max(share**2 - (yaw / along) ** 2, 0.0)))
+    unexplained = share
+    if up is not None:
+        along = float(np.sqrt(np.mean(np.square(gyr @ direction))))
+        yaw = float(np.sqrt(np.mean(np.square(straight.gyroscope("frame") @ up))))
+        unexplained = float(np.sqrt(max(share**2 - (yaw / along) ** 2, 0.0)))
     if unexplained > LARGEST_OFF_AXLE_SHARE:
         raise InputError(
             f"{straight.source}: {share:.0%} of the {side} wheel's rate lies across its axle, "
@@ -329,30 +339,56 @@ def _travel(straight: Recording, side: Side) -> FloatArray:
 
 def _straightest(
     straight: Recording, up: FloatArray, sides: Sequence[Side]
-) -> tuple[Recording, tuple[str, ...]]:
-    """Part of the trial with the longest way on one heading, and a sentence if it is not all."""
+) -> tuple[Recording, str, tuple[str, ...]]:
+    """Part of the trial with the longest way on one heading.
+
+    With it, why the trial cannot be used, empty if it can; and a sentence if a part is used.
+    """
     heading = np.cumsum(straight.gyroscope("frame") @ up) / straight.sampling_rate_hz
-    change = float(np.ptp(heading))
-    if change <= LARGEST_HEADING_CHANGE_RAD:
-        return straight, ()
+    change, limit = float(np.ptp(heading)), LARGEST_HEADING_CHANGE_RAD
+    if change <= limit:
+        return straight, "", ()
+    refusal = (
+        f"{straight.source}: the heading changes by {np.rad2deg(change):.0f} deg, expected less "
+        f"than {np.rad2deg(limit):.0f} deg in the straight-line trial"
+    )
     way = np.min([_travel(straight, side) for side in sides], axis=0)
+    first, last = _longest_way(heading, way, limit)
+    speed = np.mean([np.linalg.norm(straight.gyroscope(f"{s}_wheel"), axis=1) for s in sides], 0)
+    used = slice(first, last)
+    if (
+        way[last] - way[first] < max(SMALLEST_TRAVEL_RAD, SMALLEST_PART_OF_THE_WAY * way[-1])
+        or np.ptp(_smooth(speed, straight.sampling_rate_hz)[used]) < SMALLEST_RATE_CHANGE_RADPS
+    ):
+        return straight, refusal, ()
+    begin, end = straight.time_s[first], straight.time_s[last]
+    note = f"{refusal}; only its straightest part is used, {begin:.1f} to {end:.1f} s"
+    return straight.trim(begin, end), "", (note,)
+
+
+def _longest_way(heading: FloatArray, way: FloatArray, limit: float) -> tuple[int, int]:
+    """First and last sample between which the heading keeps within a limit and the way is longest.
+
+    Two queues hold the samples that can still be the highest and the lowest of what is looked at.
+    """
     best, start = (0, 0), 0
-    for stop in range(len(heading)):
-        while np.ptp(heading[start : stop + 1]) > LARGEST_HEADING_CHANGE_RAD:
+    high: deque[int] = deque()
+    low: deque[int] = deque()
+    for stop, value in enumerate(heading):
+        while high and heading[high[-1]] <= value:
+            high.pop()
+        while low and heading[low[-1]] >= value:
+            low.pop()
+        high.append(stop)
+        low.append(stop)
+        while heading[high[0]] - heading[low[0]] > limit:
             start += 1
+            for queue in (high, low):
+                if queue[0] < start:
+                    queue.popleft()
         if way[stop] - way[start] > way[best[1]] - way[best[0]]:
             best = (start, stop)
-    if way[best[1]] - way[best[0]] < SMALLEST_TRAVEL_RAD:
-        raise InputError(
-            f"{straight.source}: the heading changes by {np.rad2deg(change):.0f} deg, expected "
-            f"less than {np.rad2deg(LARGEST_HEADING_CHANGE_RAD):.0f} deg in the straight-line trial"
-        )
-    begin, end = straight.time_s[best[0]], straight.time_s[best[1]]
-    return straight.trim(begin, end), (
-        f"{straight.source}: the heading changes by {np.rad2deg(change):.0f} deg, expected less "
-        f"than {np.rad2deg(LARGEST_HEADING_CHANGE_RAD):.0f} deg in the straight-line trial; only "
-        f"its straightest part is used, {begin:.1f} to {end:.1f} s",
-    )
+    return best
 
 
 def _up(static: Recording) -> FloatArray:
@@ -364,6 +400,11 @@ def _up(static: Recording) -> FloatArray:
         )
     resting = static.sensor("frame").acc_mps2.mean(axis=0)
     return alignment_matrix(*frame_alignment_angles(resting))[:, 2]
+
+
+def _smooth(values: FloatArray, fs: float) -> FloatArray:
+    """Vibration is far faster than a push."""
+    return np.asarray(ndimage.gaussian_filter1d(values, ACCELERATION_SMOOTHING_S * fs, axis=0))
 
 
 def _forward(straight: Recording, up: FloatArray, wheel_rate: FloatArray) -> FloatArray:
