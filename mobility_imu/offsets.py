@@ -221,8 +221,8 @@ def gyroscope_offset(
     student = min(free / (free - 2), LARGEST_T_VARIANCE) if free > 2 else LARGEST_T_VARIANCE
     scatter = np.cov(blocks.T) if free > 0 else np.zeros((3, 3))
     white = np.sqrt(np.mean(np.square(np.concatenate(noise)), axis=0) / 2)
-    # Few blocks show no scatter in some directions: the noise of the samples is in all of them.
-    least = np.mean(white**2) / (count * block) + IN_RUN_SD_RADPS**2
+    # Three blocks or less show no scatter in some directions: the samples' noise is in all.
+    least = np.mean(white**2) / (count * block) * min(3 / count, 1.0) + IN_RUN_SD_RADPS**2
     return GyroscopeOffset(
         blocks.mean(axis=0),
         student * scatter / count + least * np.eye(3),

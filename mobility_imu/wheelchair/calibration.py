@@ -264,7 +264,7 @@ def calibrate_mount(
     if refusal:
         raise InputError(refusal)
     rates = [straight.gyroscope(f"{side}_wheel") @ axle for side, (axle, _) in axles.items()]
-    forward = _forward(straight, up, np.mean(rates, axis=0))
+    forward = _forward(straight, up, np.mean(rates, axis=0), turns=bool(part_used))
     rotations = {
         side: alignment_matrix(*wheel_alignment_angles(axle)).T for side, (axle, _) in axles.items()
     }
@@ -407,17 +407,26 @@ def _smooth(values: FloatArray, fs: float) -> FloatArray:
     return np.asarray(ndimage.gaussian_filter1d(values, ACCELERATION_SMOOTHING_S * fs, axis=0))
 
 
-def _forward(straight: Recording, up: FloatArray, wheel_rate: FloatArray) -> FloatArray:
-    """Horizontal direction (IMU axes) in which the frame speeds up when the wheels do."""
+def _forward(
+    straight: Recording, up: FloatArray, wheel_rate: FloatArray, *, turns: bool
+) -> FloatArray:
+    """Horizontal direction (IMU axes) in which the frame speeds up when the wheels do.
+
+    With ``turns``, the acceleration to the side, which goes with speed times yaw rate, is left out.
+    """
     fs = straight.sampling_rate_hz
     # Vibration is far faster than a push; both signals get the same smoothing.
     sigma = ACCELERATION_SMOOTHING_S * fs
     spin_up = ndimage.gaussian_filter1d(wheel_rate, sigma, order=1) * fs
-    acc = ndimage.gaussian_filter1d(straight.sensor("frame").acc_mps2, sigma, axis=0)
+    acc = _smooth(straight.sensor("frame").acc_mps2, fs)
     spin_up = spin_up - spin_up.mean()
+    if turns:
+        side = _smooth(wheel_rate * (straight.gyroscope("frame") @ up), fs)
+        side = side - side.mean()
+        spin_up = spin_up - side * (side @ spin_up) / (side @ side)
     pull = spin_up @ (acc - acc.mean(axis=0))
     pull -= (pull @ up) * up
-    change = float(np.ptp(ndimage.gaussian_filter1d(wheel_rate, sigma)))
+    change = float(np.ptp(_smooth(wheel_rate, fs)))
     if change < SMALLEST_RATE_CHANGE_RADPS:
         raise InputError(
             f"{straight.source}: the wheels' rate changes by {change:.2f} rad/s, expected more "
