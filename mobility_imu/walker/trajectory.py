@@ -54,7 +54,7 @@ class Trajectory(Result):
         with creep or slip of the tips, which no IMU sees
     yaw_sd_rad : (n,) array, rad. On walks with turns, where SCALE_SD counts, simulated errors are
         0.9 of it. At the end of a straight corridor they are a quarter: the filter's noise is three
-        times the gyroscope's, and it allows for a resting frame that is held by restless hands
+        times the gyroscope's, and it allows for a resting frame that turns a little
     warnings : what the user should know
     settings, stillness : what it was found with
     """
