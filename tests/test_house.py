@@ -25,7 +25,7 @@ LAYERS = (
     {"frames", "data", "_compiled", "executors", "files"},
     {"runs", "results"},
     {"rotations", "filters", "recording"},
-    {"hinges", "quality", "readers", "arguments"},
+    {"hinges", "offsets", "quality", "readers", "arguments"},
     {"datasets"},
     set(DEVICES),
     {"simulation"},

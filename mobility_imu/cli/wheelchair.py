@@ -72,25 +72,29 @@ def velocity(
         smooth_recording(recording, smoothing, window=filter_window, order=filter_order)
         for recording in _read(trials, sampling_rate_hz, fill_gaps_s)
     )
-    calibration = _calibrated(drive, still, line)
+    calibration = _calibrated(drive, still, line, take_off_offsets=camber != "printed")
     settings = (
         VelocitySettings(form="printed", slip_correction=slip_correction, slip_method="tool")
         if camber == "printed"
         else VelocitySettings(slip_correction=slip_correction)
     )
-    found = estimate_velocity(drive, chair, calibration.mount, settings)
+    found = estimate_velocity(
+        drive, chair, calibration.mount, settings, offsets=calibration.offsets
+    )
     _warn((*calibration.warnings, *found.warnings))
     outputs.write({output: csv_bytes(found.to_frame(), output)})
 
 
-def _calibrated(drive: Recording, still: Recording, line: Recording) -> WheelchairCalibration:
+def _calibrated(
+    drive: Recording, still: Recording, line: Recording, *, take_off_offsets: bool = True
+) -> WheelchairCalibration:
     from mobility_imu.wheelchair import calibrate_mount
 
     # Here the straight-line trial's file can be named, which the mount does not know any more.
     for name in ("left_wheel", "right_wheel"):
         if name in drive.sensors:
             line.sensor(name, gyroscope=True)
-    return calibrate_mount(still, line)
+    return calibrate_mount(still, line, take_off_offsets=take_off_offsets)
 
 
 def _warn(messages: Iterable[str]) -> None:
@@ -128,7 +132,9 @@ def check(
     chair = WheelchairGeometry.from_toml(geometry)
     drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s)
     calibration = _calibrated(drive, still, line)
-    typer.echo(check_text(check_geometry(drive, chair, calibration.mount)))
+    found = check_geometry(drive, chair, calibration.mount, offsets=calibration.offsets)
+    _warn(calibration.warnings)
+    typer.echo(check_text(found))
 
 
 def check_text(found: GeometryCheck) -> str:
@@ -144,15 +150,25 @@ def check_text(found: GeometryCheck) -> str:
     """
     import numpy as np
 
-    camber, camber_sd = np.rad2deg([found.camber_rad, found.camber_sd_rad])
     lines = [
-        f"wheels' yaw rate over the frame's, left turns   {found.yaw_gain_left:.3f}",
-        f"wheels' yaw rate over the frame's, right turns  {found.yaw_gain_right:.3f}",
-        f"track that fits the turns   {found.track_m:.4f} ± {found.track_sd_m:.4f} m",
-        f"right over left radius      {found.radius_ratio:.4f} ± {found.radius_ratio_sd:.4f}",
-        f"camber from the axles       {camber:.1f} ± {camber_sd:.1f} deg",
-        *(f"- {message}" for message in found.warnings or ("the geometry fits",)),
+        "wheels' yaw rate against the frame's:",
+        f"residual                    {np.rad2deg(found.residual_radps):.2f} deg/s",
+        f"correlation                 {found.correlation:.4f}",
+        f"gain                        {found.gain:.3f}",
+        f"lag of the wheels           {found.lag_s:.3f} s",
     ]
+    if found.judged:
+        camber, camber_sd = np.rad2deg([found.camber_rad, found.camber_sd_rad])
+        lines += [
+            f"wheels' yaw rate over the frame's, left turns   {found.yaw_gain_left:.3f}",
+            f"wheels' yaw rate over the frame's, right turns  {found.yaw_gain_right:.3f}",
+            f"track that fits the turns   {found.track_m:.4f} ± {found.track_sd_m:.4f} m",
+            f"right over left radius      {found.radius_ratio:.4f} ± {found.radius_ratio_sd:.4f}",
+            f"camber from the axles       {camber:.1f} ± {camber_sd:.1f} deg",
+        ]
+    if found.fits:
+        lines.append("- the geometry fits")
+    lines += [f"- {message}" for message in found.warnings]
     return "\n".join(lines)
 
 

@@ -16,6 +16,9 @@ from mobility_imu.readers.table import NumberTable, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.results import Result
 
+STANDARD_DEVIATION = r"(?<![a-z])(?:sd|std)(?![a-z])"
+"""In the name of a column: it holds no velocity but how uncertain one is."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class VelocitySeries(Result):
@@ -40,7 +43,8 @@ def read_velocities(path: str | Path, *, sampling_rate_hz: float | None = None) 
 
     The columns are found by ``lin`` and by ``ang`` or ``yaw`` in their names, so that headers in
     French, English and Spanish serve alike, and a time column by ``time``, ``temps``, ``tiempo``.
-    The angular velocity is in deg/s unless its header says rad; a warning tells of a header
+    Columns with ``sd`` or ``std`` as a word in their names hold standard deviations and are left
+    aside. The angular velocity is in deg/s unless its header says rad; a warning tells of a header
     without a unit.
 
     Parameters
@@ -121,7 +125,11 @@ def _even_rate(time_s: FloatArray, source: str) -> float:
 
 
 def _column(table: NumberTable, pattern: str, what: str) -> int:
-    found = [k for k, name in enumerate(table.header) if re.search(pattern, name.lower())]
+    found = [
+        k
+        for k, name in enumerate(table.header)
+        if re.search(pattern, name.lower()) and not re.search(STANDARD_DEVIATION, name.lower())
+    ]
     if len(found) != 1:
         state = "no column" if not found else f"{len(found)} columns"
         raise InputError(

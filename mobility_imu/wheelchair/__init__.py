@@ -19,10 +19,12 @@ from mobility_imu.wheelchair.slip import (
 )
 from mobility_imu.wheelchair.smoothing import smooth_recording
 from mobility_imu.wheelchair.tasks import Task, Tasks, identify_tasks, task_codes
+from mobility_imu.wheelchair.uncertainty import AssumedErrors
 from mobility_imu.wheelchair.velocity import ChairVelocity, VelocitySettings, estimate_velocity
 
 __all__ = [
     "SAMPLE_CHAIR",
+    "AssumedErrors",
     "ChairVelocity",
     "GeometryCheck",
     "PushSettings",

@@ -9,7 +9,9 @@ for any mounting, and make a forward roll positive on both wheels.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -19,6 +21,13 @@ from scipy import ndimage
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
+from mobility_imu.offsets import (
+    GyroscopeOffset,
+    merge_offsets,
+    offset_warnings,
+    rest_offsets,
+    without_offsets,
+)
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
@@ -46,6 +55,8 @@ SMALLEST_TRAVEL_RAD = np.pi
 # In a straight line a wheel's gyroscope sees its axle only; turning shows up across it.
 LARGEST_OFF_AXLE_SHARE = 0.15
 LARGEST_HEADING_CHANGE_RAD = np.deg2rad(45)
+# A trial whose straightest part is less of its way was no straight line with a bend.
+SMALLEST_PART_OF_THE_WAY = 0.4
 ACCELERATION_SMOOTHING_S = 0.15
 # 0.15 m/s for a usual wheel; with less, the forward direction would be read from noise.
 SMALLEST_RATE_CHANGE_RADPS = 0.5
@@ -166,11 +177,15 @@ class WheelchairCalibration(Result):
     mount : WheelchairMount
     off_axle_share : (left, right), root mean square of the rate across the axle over that along
         it in the straight line; near 0 when the chair went straight, NaN without a sensor
+    offsets : sensor to :class:`~mobility_imu.offsets.GyroscopeOffset`, as found at rest and taken
+        off; for :func:`~mobility_imu.wheelchair.velocity.estimate_velocity`, whose recording may
+        have no rest
     warnings : sentences on what is missing; empty if nothing is
     """
 
     mount: WheelchairMount
     off_axle_share: WheelPair
+    offsets: dict[str, GyroscopeOffset] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
 
@@ -205,17 +220,21 @@ def axle_direction(gyr_radps: ArrayLike) -> tuple[FloatArray, float]:
     return directions[:, -1] * np.sign(turned), off_axle
 
 
-def calibrate_mount(static: Recording, straight: Recording) -> WheelchairCalibration:
+def calibrate_mount(
+    static: Recording, straight: Recording, *, take_off_offsets: bool = True
+) -> WheelchairCalibration:
     """Find how the IMUs are mounted, from the two trials of the document (section 1.1).
 
     Up is the frame IMU's mean acceleration at rest, the axles come from the straight line, and
     forward is the horizontal direction in which the frame accelerates together with the wheels.
+    The gyroscopes' offsets are found where the chair rests in either trial, and taken off.
 
     Parameters
     ----------
     static : the chair standing still
     straight : the chair pushed straight forward, some metres, from rest or rolling; a wheel whose
         sensor is missing gets no rotation, with a warning
+    take_off_offsets : False uses the rates as they are, as the document does
 
     Returns
     -------
@@ -229,12 +248,23 @@ def calibrate_mount(static: Recording, straight: Recording) -> WheelchairCalibra
     """
     expect("static", static, Recording)
     expect("straight", straight, Recording)
-    up = _up(static)
+    one_of("take_off_offsets", take_off_offsets, (True, False))
+    at_rest = _offsets(static) if take_off_offsets else {}
+    up = _up(without_offsets(static, at_rest))
     present = [side for side in SIDES if f"{side}_wheel" in straight.sensors]
-    axles = {side: _axle(straight, side) for side in present or SIDES}
-    _check_heading(straight, up)
+    offsets = merge_offsets(_offsets(straight), at_rest) if take_off_offsets else {}
+    warnings = (
+        offset_warnings(straight, offsets, ["frame", *(f"{side}_wheel" for side in present)])
+        if take_off_offsets
+        else ()
+    )
+    whole = without_offsets(straight, offsets)
+    straight, refusal, part_used = _straightest(whole, up, present or SIDES)
+    axles = {side: _axle(straight, side, None if refusal else up) for side in present or SIDES}
+    if refusal:
+        raise InputError(refusal)
     rates = [straight.gyroscope(f"{side}_wheel") @ axle for side, (axle, _) in axles.items()]
-    forward = _forward(straight, up, np.mean(rates, axis=0))
+    forward = _forward(straight, up, np.mean(rates, axis=0), turns=bool(part_used))
     rotations = {
         side: alignment_matrix(*wheel_alignment_angles(axle)).T for side, (axle, _) in axles.items()
     }
@@ -247,18 +277,37 @@ def calibrate_mount(static: Recording, straight: Recording) -> WheelchairCalibra
         off_axle_share=WheelPair(
             *(axles[side][1] if side in axles else float("nan") for side in SIDES)
         ),
-        warnings=tuple(
-            f"{straight.source}: no sensor on the {side} wheel; the mount holds for the other only"
-            for side in SIDES
-            if side not in axles
+        offsets=offsets,
+        warnings=(
+            *(
+                f"{straight.source}: no sensor on the {side} wheel; the mount holds for the other "
+                "only"
+                for side in SIDES
+                if side not in axles
+            ),
+            *part_used,
+            *warnings,
         ),
     )
 
 
-def _axle(straight: Recording, side: Side) -> tuple[FloatArray, float]:
-    """Direction and off-axle fraction of one wheel, from a trial that shows them."""
+def _offsets(trial: Recording) -> dict[str, GyroscopeOffset]:
+    """Offsets of the chair's gyroscopes that the trial has, by its rests."""
+    names = [
+        name
+        for name in ("frame", *(f"{side}_wheel" for side in SIDES))
+        if name in trial.sensors and trial.sensors[name].gyr_radps is not None
+    ]
+    return rest_offsets(trial, names)
+
+
+def _axle(straight: Recording, side: Side, up: FloatArray | None) -> tuple[FloatArray, float]:
+    """Direction and off-axle fraction of one wheel, from a trial that shows them.
+
+    With ``up``, what the frame turns by is no sign of a loose sensor: rough ground wobbles.
+    """
     gyr = straight.gyroscope(f"{side}_wheel")
-    travel = float(np.linalg.norm(gyr, axis=1).sum() / straight.sampling_rate_hz)
+    travel = _travel(straight, side)[-1]
     if travel < SMALLEST_TRAVEL_RAD:
         raise InputError(
             f"{straight.source}: the {side} wheel turns {travel:.2f} rad, expected more than "
@@ -268,7 +317,12 @@ def _axle(straight: Recording, side: Side) -> tuple[FloatArray, float]:
         direction, share = axle_direction(gyr)
     except InputError as error:
         raise InputError(f"{straight.source}: {side} wheel: {error}") from None
-    if share > LARGEST_OFF_AXLE_SHARE:
+    unexplained = share
+    if up is not None:
+        along = float(np.sqrt(np.mean(np.square(gyr @ direction))))
+        yaw = float(np.sqrt(np.mean(np.square(straight.gyroscope("frame") @ up))))
+        unexplained = float(np.sqrt(max(share**2 - (yaw / along) ** 2, 0.0)))
+    if unexplained > LARGEST_OFF_AXLE_SHARE:
         raise InputError(
             f"{straight.source}: {share:.0%} of the {side} wheel's rate lies across its axle, "
             f"expected less than {LARGEST_OFF_AXLE_SHARE:.0%}: the chair turned, or the sensor "
@@ -277,14 +331,64 @@ def _axle(straight: Recording, side: Side) -> tuple[FloatArray, float]:
     return direction, share
 
 
-def _check_heading(straight: Recording, up: FloatArray) -> None:
+def _travel(straight: Recording, side: Side) -> FloatArray:
+    """Angle in rad that a wheel has turned by, either way."""
+    rate = np.linalg.norm(straight.gyroscope(f"{side}_wheel"), axis=1)
+    return np.asarray(np.cumsum(rate) / straight.sampling_rate_hz)
+
+
+def _straightest(
+    straight: Recording, up: FloatArray, sides: Sequence[Side]
+) -> tuple[Recording, str, tuple[str, ...]]:
+    """Part of the trial with the longest way on one heading.
+
+    With it, why the trial cannot be used, empty if it can; and a sentence if a part is used.
+    """
     heading = np.cumsum(straight.gyroscope("frame") @ up) / straight.sampling_rate_hz
-    if np.ptp(heading) > LARGEST_HEADING_CHANGE_RAD:
-        raise InputError(
-            f"{straight.source}: the heading changes by {np.rad2deg(np.ptp(heading)):.0f} deg, "
-            f"expected less than {np.rad2deg(LARGEST_HEADING_CHANGE_RAD):.0f} deg in the "
-            "straight-line trial"
-        )
+    change, limit = float(np.ptp(heading)), LARGEST_HEADING_CHANGE_RAD
+    if change <= limit:
+        return straight, "", ()
+    refusal = (
+        f"{straight.source}: the heading changes by {np.rad2deg(change):.0f} deg, expected less "
+        f"than {np.rad2deg(limit):.0f} deg in the straight-line trial"
+    )
+    way = np.min([_travel(straight, side) for side in sides], axis=0)
+    first, last = _longest_way(heading, way, limit)
+    speed = np.mean([np.linalg.norm(straight.gyroscope(f"{s}_wheel"), axis=1) for s in sides], 0)
+    used = slice(first, last)
+    if (
+        way[last] - way[first] < max(SMALLEST_TRAVEL_RAD, SMALLEST_PART_OF_THE_WAY * way[-1])
+        or np.ptp(_smooth(speed, straight.sampling_rate_hz)[used]) < SMALLEST_RATE_CHANGE_RADPS
+    ):
+        return straight, refusal, ()
+    begin, end = straight.time_s[first], straight.time_s[last]
+    note = f"{refusal}; only its straightest part is used, {begin:.1f} to {end:.1f} s"
+    return straight.trim(begin, end), "", (note,)
+
+
+def _longest_way(heading: FloatArray, way: FloatArray, limit: float) -> tuple[int, int]:
+    """First and last sample between which the heading keeps within a limit and the way is longest.
+
+    Two queues hold the samples that can still be the highest and the lowest of what is looked at.
+    """
+    best, start = (0, 0), 0
+    high: deque[int] = deque()
+    low: deque[int] = deque()
+    for stop, value in enumerate(heading):
+        while high and heading[high[-1]] <= value:
+            high.pop()
+        while low and heading[low[-1]] >= value:
+            low.pop()
+        high.append(stop)
+        low.append(stop)
+        while heading[high[0]] - heading[low[0]] > limit:
+            start += 1
+            for queue in (high, low):
+                if queue[0] < start:
+                    queue.popleft()
+        if way[stop] - way[start] > way[best[1]] - way[best[0]]:
+            best = (start, stop)
+    return best
 
 
 def _up(static: Recording) -> FloatArray:
@@ -298,17 +402,31 @@ def _up(static: Recording) -> FloatArray:
     return alignment_matrix(*frame_alignment_angles(resting))[:, 2]
 
 
-def _forward(straight: Recording, up: FloatArray, wheel_rate: FloatArray) -> FloatArray:
-    """Horizontal direction (IMU axes) in which the frame speeds up when the wheels do."""
+def _smooth(values: FloatArray, fs: float) -> FloatArray:
+    """Vibration is far faster than a push."""
+    return np.asarray(ndimage.gaussian_filter1d(values, ACCELERATION_SMOOTHING_S * fs, axis=0))
+
+
+def _forward(
+    straight: Recording, up: FloatArray, wheel_rate: FloatArray, *, turns: bool
+) -> FloatArray:
+    """Horizontal direction (IMU axes) in which the frame speeds up when the wheels do.
+
+    With ``turns``, the acceleration to the side, which goes with speed times yaw rate, is left out.
+    """
     fs = straight.sampling_rate_hz
     # Vibration is far faster than a push; both signals get the same smoothing.
     sigma = ACCELERATION_SMOOTHING_S * fs
     spin_up = ndimage.gaussian_filter1d(wheel_rate, sigma, order=1) * fs
-    acc = ndimage.gaussian_filter1d(straight.sensor("frame").acc_mps2, sigma, axis=0)
+    acc = _smooth(straight.sensor("frame").acc_mps2, fs)
     spin_up = spin_up - spin_up.mean()
+    if turns:
+        side = _smooth(wheel_rate * (straight.gyroscope("frame") @ up), fs)
+        side = side - side.mean()
+        spin_up = spin_up - side * (side @ spin_up) / (side @ side)
     pull = spin_up @ (acc - acc.mean(axis=0))
     pull -= (pull @ up) * up
-    change = float(np.ptp(ndimage.gaussian_filter1d(wheel_rate, sigma)))
+    change = float(np.ptp(_smooth(wheel_rate, fs)))
     if change < SMALLEST_RATE_CHANGE_RADPS:
         raise InputError(
             f"{straight.source}: the wheels' rate changes by {change:.2f} rad/s, expected more "

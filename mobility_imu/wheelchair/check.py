@@ -2,21 +2,32 @@
 
 With the no-slip speeds of the wheel centres, r_R Om_R - r_L Om_L = d_c * yaw + c * V + o. A
 least-squares fit gives the distance d_c that the data have, with c the mismatch of the radii, and
-with o what constant offsets of the three gyroscopes leave; the rate across the axle gives the
-camber, whatever the distances are. A gyroscope that reads 0.3 % too much cannot be told from a
-radius or a distance that is 0.3 % off: the standard deviations hold that.
+with o what is left of the gyroscopes' offsets, which are found at rest and taken off; the rate
+across the axle gives the camber, whatever the distances are. A gyroscope that reads 0.3 % too much
+cannot be told from a radius or a distance that is 0.3 % off: the standard deviations hold that.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
+from mobility_imu.offsets import (
+    GyroscopeOffset,
+    merge_offsets,
+    offset_warnings,
+    rest_offsets,
+    without_offsets,
+)
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
@@ -25,7 +36,15 @@ from mobility_imu.wheelchair.mount import WheelchairMount
 __all__ = ["GeometryCheck", "check_geometry"]
 
 SLOWEST_TURN_RADPS = 0.3
-SHORTEST_TURNING_S = 2.0
+SHORTEST_TURNING_S = 1.0
+"""Shortest time of turns to one side that gives a factor for this side."""
+STEADY_S = 1.0
+"""Over a second the wobble of pushes averages out; what is left is turning."""
+LEAST_TURNED_RAD = 2 * np.pi
+"""A whole turn: on rough ground a straight drive of half a minute turns by half of one."""
+LONGEST_LAG_S = 0.5
+# Two wheels against each other; with it the radii are taken as given, as a tape gives them.
+RADIUS_RATIO_SD = 0.005 * float(np.sqrt(2))
 # What a tape can do: a centimetre of track, a degree of camber, half a percent of radius.
 TRACK_TOLERANCE_M = 0.01
 CAMBER_TOLERANCE_RAD = float(np.deg2rad(2.0))
@@ -40,6 +59,23 @@ BLOCK_S = 1.0
 """Residuals last about a push; those of one block are taken together."""
 # Below this, track, mismatch of the radii and offset cannot be told apart.
 SMALLEST_INDEPENDENT_PART = 1e-6
+NO_VERDICT = MappingProxyType(
+    {"judged": False, "fits": False}
+    | dict.fromkeys(
+        (
+            "yaw_gain_left",
+            "yaw_gain_right",
+            "track_m",
+            "track_sd_m",
+            "radius_ratio",
+            "radius_ratio_sd",
+            "camber_rad",
+            "camber_sd_rad",
+        ),
+        float("nan"),
+    )
+)
+"""What is stated of track, radii and camber where a drive turns too little."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,15 +84,32 @@ class GeometryCheck(Result):
 
     Parameters
     ----------
+    residual_radps : rad/s, root mean square of the wheels' yaw rate less the frame's
+    correlation : of the two yaw rates; NaN if one of them does not change
+    gain : factor on the frame's yaw rate that fits the wheels' best
+    lag_s : s by which the wheels come after the frame
+    turned_rad : rad turned in all, to either side, while turning faster than 0.3 rad/s
+    judged : False if the drive turns too little to judge the geometry; what follows is then NaN
+    fits : True if it is judged and nothing is wrong with track, radii and camber
     yaw_gain_left, yaw_gain_right : wheels' yaw rate over the frame's, in left and in right turns;
         1 is right; NaN without enough of such turns
-    track_m, track_sd_m : track that fits the turns, with radii and camber as given
+    track_m, track_sd_m : track that fits the turns, with the camber as given and the radii as
+        given to 0.5 % each
     radius_ratio, radius_ratio_sd : factor on right over left radius that fits (1: as given)
     camber_rad, camber_sd_rad : camber from the rate across the axles
     geometry : WheelchairGeometry that was checked
-    warnings : what is wrong, by how much, in words; empty if all fits
+    offsets : sensor to GyroscopeOffset that was taken off
+    warnings : sentences on what is wrong and by how much, on what cannot be judged, and on offsets
+        that are large or unknown
     """
 
+    residual_radps: float
+    correlation: float
+    gain: float
+    lag_s: float
+    turned_rad: float
+    judged: bool
+    fits: bool
     yaw_gain_left: float
     yaw_gain_right: float
     track_m: float
@@ -66,18 +119,24 @@ class GeometryCheck(Result):
     camber_rad: float
     camber_sd_rad: float
     geometry: WheelchairGeometry
+    offsets: dict[str, GyroscopeOffset] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
 
 def check_geometry(
-    recording: Recording, geometry: WheelchairGeometry, mount: WheelchairMount
+    recording: Recording,
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    *,
+    offsets: Mapping[str, GyroscopeOffset] | None = None,
 ) -> GeometryCheck:
     """Compare the wheels with the frame over a drive with turns.
 
     The absolute size of the radii cannot be checked this way: only a known distance shows it. The
     standard deviations hold the scatter of the residuals, and gyroscopes whose scale factors are
     known to GYROSCOPE_SCALE_SD. With that, radii that differ by less than 1.3 % from what is given
-    are not reported.
+    are not reported. A drive that turns by less than a whole turn in all, or tells the track less
+    well than a tape, judges nothing, and says so.
 
     Parameters
     ----------
@@ -85,6 +144,8 @@ def check_geometry(
     geometry : WheelchairGeometry to be checked
     mount : WheelchairMount, from
         :func:`~mobility_imu.wheelchair.calibration.calibrate_mount`
+    offsets : sensor to GyroscopeOffset of other recordings of that day, such as
+        ``calibration.offsets``; offsets are found at rest and taken off in any case
 
     Returns
     -------
@@ -93,65 +154,144 @@ def check_geometry(
     Raises
     ------
     InputError
-        If a sensor is missing in the recording or in the mount, the chair turns for less than two
-        seconds in all, or its speed is constant or goes with its yaw rate throughout.
+        If a sensor is missing in the recording or in the mount, or the wheels' speed goes with the
+        yaw rate throughout although the chair turns.
     """
     expect("recording", recording, Recording)
     expect("geometry", geometry, WheelchairGeometry)
     expect("mount", mount, WheelchairMount)
+    names = ("frame", *(f"{side}_wheel" for side in SIDES))
+    merged = merge_offsets(rest_offsets(recording, names), dict(offsets or {}))
+    found = {name: merged[name] for name in names if name in merged}
+    warnings = offset_warnings(recording, found, names)
+    recording = without_offsets(recording, found)
     yaw = mount.frame(recording.gyroscope("frame"))[:, 2]
     wheels = [mount.wheel(side, recording.gyroscope(f"{side}_wheel")) for side in SIDES]
-    turning = np.abs(yaw) > SLOWEST_TURN_RADPS
-    fs = recording.sampling_rate_hz
-    if turning.sum() < SHORTEST_TURNING_S * fs:
-        raise InputError(
-            f"{recording.source}: {turning.sum() / fs:.1f} s of turning faster than "
-            f"{SLOWEST_TURN_RADPS} rad/s, expected at least {SHORTEST_TURNING_S} s to check with"
-        )
     left, right = (
         radius * rate[:, 2] for radius, rate in zip(geometry.wheel_radius_m, wheels, strict=True)
     )
-    speed, apart = (left + right) / 2, right - left
-    distance, distance_sd, mismatch, mismatch_sd = _distances(
-        recording, mount, yaw, speed, apart, turning
+    agreement = _agreement(
+        yaw, (right - left) / geometry.wheel_centre_distance_m, recording.sampling_rate_hz
     )
+    parts = _Parts(recording, yaw, wheels[0], wheels[1], (left + right) / 2, right - left)
+    verdict = _verdict(parts, geometry, mount, found, agreement)
+    return GeometryCheck(
+        **agreement,
+        **{**NO_VERDICT, **verdict, "warnings": (*verdict["warnings"], *warnings)},
+        geometry=geometry,
+        offsets=found,
+    )
+
+
+class _Parts(NamedTuple):
+    """Yaw rate, rates of both wheels in their frames, their mean speed and its difference."""
+
+    recording: Recording
+    yaw: FloatArray
+    left: FloatArray
+    right: FloatArray
+    speed: FloatArray
+    apart: FloatArray
+
+
+def _agreement(yaw: FloatArray, wheels: FloatArray, fs: float) -> dict[str, Any]:
+    """Fields of GeometryCheck that compare the two yaw rates, with no geometry fitted."""
+    steady = ndimage.uniform_filter1d(yaw, max(1, round(STEADY_S * fs)))
+    steady = steady[np.abs(steady) > SLOWEST_TURN_RADPS]
+    moves = yaw.std() > 0 and wheels.std() > 0
+    return {
+        "residual_radps": float(np.sqrt(np.mean(np.square(wheels - yaw)))),
+        "correlation": float(np.corrcoef(yaw, wheels)[0, 1]) if moves else float("nan"),
+        "gain": float(wheels @ yaw / (yaw @ yaw)) if yaw.any() else float("nan"),
+        "lag_s": _lag(yaw, wheels, fs) if moves else float("nan"),
+        "turned_rad": float(np.abs(steady).sum() / fs),
+    }
+
+
+def _lag(yaw: FloatArray, wheels: FloatArray, fs: float) -> float:
+    """Time by which the wheels come after the frame, from the largest correlation."""
+    reach = min(round(LONGEST_LAG_S * fs), len(yaw) // 4)
+    if reach < 1:
+        return float("nan")
+    smooth = max(1, round(LONGEST_LAG_S / 2 * fs))
+    first, second = (ndimage.uniform_filter1d(v - v.mean(), smooth) for v in (yaw, wheels))
+    inside = first[reach : len(first) - reach]
+    products = [inside @ second[k : k + len(inside)] for k in range(2 * reach + 1)]
+    best = int(np.argmax(products))
+    if not 0 < best < 2 * reach:
+        return float((best - reach) / fs)
+    before, peak, after = products[best - 1 : best + 2]
+    bend = before - 2 * peak + after
+    return float((best - reach + (0.5 * (before - after) / bend if bend else 0.0)) / fs)
+
+
+def _verdict(
+    parts: _Parts,
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    offsets: Mapping[str, GyroscopeOffset],
+    agreement: Mapping[str, float],
+) -> dict[str, Any]:
+    """Fields of GeometryCheck on track, radii and camber; only a sentence without enough turns."""
+    turning = np.abs(parts.yaw) > SLOWEST_TURN_RADPS
+    if agreement["turned_rad"] < LEAST_TURNED_RAD:
+        turned = np.rad2deg(agreement["turned_rad"])
+        sentences = [
+            f"turns too little to judge the geometry: {turned:.0f} deg in all faster than "
+            f"{SLOWEST_TURN_RADPS} rad/s, expected a whole turn or more"
+        ]
+        if agreement["correlation"] < -0.5:
+            sentences.append(_swapped(agreement["gain"]))
+        return {"warnings": tuple(sentences)}
+    distance, distance_sd, mismatch, mismatch_sd = _distances(
+        parts, geometry, mount, offsets, turning
+    )
+    if distance_sd > TRACK_TOLERANCE_M and distance > 3 * distance_sd:
+        return {
+            "warnings": (
+                "turns too little to judge the geometry: wheels and frame agree so badly that the "
+                f"track could be told to {distance_sd:.3f} m only, expected {TRACK_TOLERANCE_M} m",
+            )
+        }
     gains = [
-        float((apart - mismatch * speed)[way] @ yaw[way] / (yaw[way] @ yaw[way]))
+        float((parts.apart - mismatch * parts.speed)[way] @ parts.yaw[way])
+        / float(parts.yaw[way] @ parts.yaw[way])
         / geometry.wheel_centre_distance_m
-        if way.sum() >= SHORTEST_TURNING_S / 2 * fs
+        if way.sum() >= SHORTEST_TURNING_S * parts.recording.sampling_rate_hz
         else float("nan")
-        for way in (turning & (yaw > 0), turning & (yaw < 0))
+        for way in (turning & (parts.yaw > 0), turning & (parts.yaw < 0))
     ]
     yaw_gain_sd = _gain_sd(mount.rotation_frame_imu_to_chair[2])
-    camber, camber_sd = _camber(wheels[0], wheels[1], yaw, turning, yaw_gain_sd)
-    lean = geometry.track_m - geometry.wheel_centre_distance_m
-    return GeometryCheck(
-        yaw_gain_left=gains[0],
-        yaw_gain_right=gains[1],
-        track_m=distance + lean,
-        track_sd_m=distance_sd,
+    camber, camber_sd = _camber(parts.left, parts.right, parts.yaw, turning, yaw_gain_sd)
+    sentences = [
+        *_on_distances(geometry, distance, distance_sd, mismatch, mismatch_sd),
+        *_on_camber(geometry, camber, camber_sd),
+    ]
+    return {
+        "judged": True,
+        "fits": not sentences,
+        "yaw_gain_left": gains[0],
+        "yaw_gain_right": gains[1],
+        "track_m": distance + geometry.track_m - geometry.wheel_centre_distance_m,
+        "track_sd_m": distance_sd,
         # A radius mismatch e adds e times the speed; the ratio that fits is 1 - e (first order).
-        radius_ratio=1 - mismatch,
-        radius_ratio_sd=mismatch_sd,
-        camber_rad=camber,
-        camber_sd_rad=camber_sd,
-        geometry=geometry,
-        warnings=(
-            *_on_distances(geometry, distance, distance_sd, mismatch, mismatch_sd),
-            *_on_camber(geometry, camber, camber_sd),
-        ),
-    )
+        "radius_ratio": 1 - mismatch,
+        "radius_ratio_sd": mismatch_sd,
+        "camber_rad": camber,
+        "camber_sd_rad": camber_sd,
+        "warnings": tuple(sentences),
+    }
 
 
 def _distances(
-    recording: Recording,
+    parts: _Parts,
+    geometry: WheelchairGeometry,
     mount: WheelchairMount,
-    yaw: FloatArray,
-    speed: FloatArray,
-    apart: FloatArray,
+    offsets: Mapping[str, GyroscopeOffset],
     turning: NDArray[np.bool_],
 ) -> tuple[float, float, float, float]:
     """Distance of the wheel centres and mismatch of the radii, each with its standard deviation."""
+    recording, yaw, speed = parts.recording, parts.yaw, parts.speed
     moving = turning | (np.abs(speed) > 0.2)
     design = np.column_stack([yaw, speed, np.ones(len(yaw))])[moving]
     sizes = np.linalg.svd(design, compute_uv=False)
@@ -161,15 +301,37 @@ def _distances(
             "throughout, expected turns and straight lines; do both wheel sensors work?"
         )
     block = np.arange(len(yaw))[moving] // max(round(BLOCK_S * recording.sampling_rate_hz), 1)
-    (distance, mismatch, _), covariance = _fit(design, apart[moving], block)
+    found, covariance = _fit(design, parts.apart[moving], block)
+    axes = {
+        "frame": -geometry.wheel_centre_distance_m * mount.rotation_frame_imu_to_chair[2],
+        **{
+            f"{side}_wheel": radius * mount.rotation_imu_to_wheel(side)[2]
+            for side, radius in zip(SIDES, geometry.wheel_radius_m, strict=True)
+        },
+    }
+    if all(name in offsets for name in axes):
+        left_over = [offsets[name].sd_along(axis) for name, axis in axes.items()]
+        found, covariance = _known(found, covariance, 2, float(np.hypot.reduce(left_over)))
     left, right = (_gain_sd(mount.rotation_imu_to_wheel(side)[2]) for side in SIDES)
     # Gains g of the wheels change the difference of their speeds by (g_R - g_L) V, and by
     # (g_R + g_L) / 2 of what the turn makes of it.
     by_wheels = np.hypot(left, right)
     by_turn = np.hypot(by_wheels / 2, _gain_sd(mount.rotation_frame_imu_to_chair[2]))
-    distance_sd = np.hypot(np.sqrt(covariance[0, 0]), distance * by_turn)
-    mismatch_sd = np.hypot(np.sqrt(covariance[1, 1]), by_wheels)
-    return float(distance), float(distance_sd), float(mismatch), float(mismatch_sd)
+    mismatch, mismatch_sd = found[1], np.hypot(np.sqrt(covariance[1, 1]), by_wheels)
+    found, covariance = _known(found, covariance, 1, float(np.hypot(RADIUS_RATIO_SD, by_wheels)))
+    distance_sd = np.hypot(np.sqrt(covariance[0, 0]), found[0] * by_turn)
+    return float(found[0]), float(distance_sd), float(mismatch), float(mismatch_sd)
+
+
+def _known(
+    found: FloatArray, covariance: FloatArray, place: int, sd: float
+) -> tuple[FloatArray, FloatArray]:
+    """Fit and covariance when one of the unknowns is known to be zero to a standard deviation."""
+    gain = covariance[:, place] / (covariance[place, place] + sd**2)
+    return (
+        np.asarray(found - gain * found[place]),
+        np.asarray(covariance - np.outer(gain, covariance[place])),
+    )
 
 
 def _on_distances(
@@ -182,10 +344,7 @@ def _on_distances(
     """Sentences on track and radii that do not fit, or on swapped sensors."""
     if distance < -max(TRACK_TOLERANCE_M, 3 * distance_sd):
         gain = distance / geometry.wheel_centre_distance_m
-        return [
-            f"the wheels turn against the frame (gain {gain:.2f}): left and right wheel sensor are "
-            "swapped, or the frame's sensor is upside down"
-        ]
+        return [_swapped(gain)]
     sentences = []
     track = distance + geometry.track_m - geometry.wheel_centre_distance_m
     off = track - geometry.track_m
@@ -209,6 +368,13 @@ def _on_distances(
             "gyroscopes differ by as much"
         )
     return sentences
+
+
+def _swapped(gain: float) -> str:
+    return (
+        f"the wheels turn against the frame (gain {gain:.2f}): left and right wheel sensor are "
+        "swapped, or the frame's sensor is upside down"
+    )
 
 
 def _on_camber(geometry: WheelchairGeometry, camber: float, camber_sd: float) -> list[str]:
@@ -270,8 +436,10 @@ def _camber(
         )
         for w in (left, right)
     ]
-    # The wheels differ by what their gyroscopes read; the frame's errs for both alike.
-    spread = float(np.hypot((cosines[0] - cosines[1]) / 2, yaw_gain_sd))
+    # The wheels differ by what their gyroscopes read; the frame's errs for both alike. A wheel's
+    # two axes across the axle take turns, so that their scale factors are averaged.
+    by_wheels = max(abs(cosines[0] - cosines[1]) / 2, GYROSCOPE_SCALE_SD / 2)
+    spread = float(np.hypot(by_wheels, yaw_gain_sd))
     cosine = min(float(np.mean(cosines)), 1.0)
     camber = float(np.arccos(cosine))
     return camber, float(spread / max(np.sin(camber), np.sqrt(2 * spread)))

@@ -7,7 +7,7 @@ the uncorrected rate with the distance between wheel centres, and the spin with 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, overload
 
@@ -17,6 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 from mobility_imu.arguments import check_columns, expect, for_each, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_series, as_vectors, one_of
+from mobility_imu.offsets import (
+    GyroscopeOffset,
+    merge_offsets,
+    offset_warnings,
+    rest_offsets,
+    without_offsets,
+)
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.wheelchair.calibration import Form
@@ -30,6 +37,7 @@ from mobility_imu.wheelchair.slip import (
     detect_slip,
     wheel_speeds,
 )
+from mobility_imu.wheelchair.uncertainty import AssumedErrors, speed_uncertainty
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,11 +49,9 @@ __all__ = [
     "linear_velocity",
     "printed_yaw_gain",
     "single_wheel_velocity",
-    "velocity_standard_deviation",
     "wheel_spin_rate",
     "wheel_spin_rate_printed",
     "wheel_yaw_rate",
-    "wheel_yaw_standard_deviation",
 ]
 
 
@@ -193,77 +199,6 @@ def single_wheel_velocity(
     return np.asarray(geometry.wheel_radius_m.of(side) * rate + centre * yaw_rate)
 
 
-def velocity_standard_deviation(
-    rate_left_radps: ArrayLike,
-    rate_right_radps: ArrayLike,
-    geometry: WheelchairGeometry,
-    *,
-    gyr_sd_radps: float,
-    radius_sd_m: float,
-) -> FloatArray:
-    """Standard deviation of the linear velocity (eq. 1.17, first order).
-
-    Noise of both gyroscopes and errors of both radii, all independent. A radius error is one
-    draw for the whole recording, so it does not average out. Camber and track do not enter.
-
-    Parameters
-    ----------
-    rate_left_radps, rate_right_radps : (n,) arrays, rad/s
-    geometry : WheelchairGeometry
-    gyr_sd_radps : rad/s, of each sample
-    radius_sd_m : m, of each radius
-
-    Returns
-    -------
-    (n,) array, m/s
-    """
-    expect("geometry", geometry, WheelchairGeometry)
-    radius = geometry.wheel_radius_m
-    gyr_sd_radps = as_number(gyr_sd_radps, "gyr_sd_radps", zero=True)
-    radius_sd_m = as_number(radius_sd_m, "radius_sd_m", zero=True)
-    left, right = alike(rate_left_radps=rate_left_radps, rate_right_radps=rate_right_radps)
-    with np.errstate(over="ignore"):
-        noise = gyr_sd_radps * np.hypot(*radius)
-        return np.asarray(np.hypot(noise, radius_sd_m * np.hypot(left, right)) / 2)
-
-
-def wheel_yaw_standard_deviation(
-    yaw_rate_radps: ArrayLike,
-    linear_velocity_mps: ArrayLike,
-    geometry: WheelchairGeometry,
-    *,
-    gyr_sd_radps: float,
-    radius_sd_m: float,
-    distance_sd_m: float,
-) -> FloatArray:
-    """Standard deviation of the wheels' yaw rate with the wheel-centre distance (eq. 1.18).
-
-    Radius errors weigh most: they scale each wheel's speed and meet in the difference. The
-    frame's yaw rate has its gyroscope's noise and nothing else.
-
-    Parameters
-    ----------
-    yaw_rate_radps, linear_velocity_mps : (n,) arrays, rad/s and m/s
-    geometry : WheelchairGeometry
-    gyr_sd_radps, radius_sd_m, distance_sd_m : as above, and of the distance of the wheel centres
-
-    Returns
-    -------
-    (n,) array, rad/s
-    """
-    yaw, speed = alike(yaw_rate_radps=yaw_rate_radps, linear_velocity_mps=linear_velocity_mps)
-    expect("geometry", geometry, WheelchairGeometry)
-    gyr_sd_radps = as_number(gyr_sd_radps, "gyr_sd_radps", zero=True)
-    radius_sd_m = as_number(radius_sd_m, "radius_sd_m", zero=True)
-    distance_sd_m = as_number(distance_sd_m, "distance_sd_m", zero=True)
-    radius, distance = geometry.wheel_radius_m, geometry.wheel_centre_distance_m
-    left, right = speed - yaw * distance / 2, speed + yaw * distance / 2
-    with np.errstate(over="ignore"):
-        noise = gyr_sd_radps * np.hypot(*radius)
-        sizes = radius_sd_m * np.hypot(left / radius.left, right / radius.right)
-        return np.asarray(np.hypot(np.hypot(noise, sizes), yaw * distance_sd_m) / distance)
-
-
 def printed_yaw_gain(geometry: WheelchairGeometry) -> tuple[float, float]:
     """Factors of the wheels' yaw rate with the public tool's signs and distance.
 
@@ -298,6 +233,9 @@ class VelocitySettings:
         frame's acceleration (:func:`~mobility_imu.wheelchair.slip.correct_slip`). The printed form
         tells no wheel from the other: its correction needs "tool"
     slip : SlipSettings, when a disagreement counts as slip
+    take_off_offsets : whether the gyroscopes' offsets are found at rest and taken off; the printed
+        form never does
+    assumed : AssumedErrors of geometry and sensors, for the standard deviations
 
     Raises
     ------
@@ -314,6 +252,8 @@ class VelocitySettings:
     slip_correction: bool = False
     slip_method: SlipMethod = "wheels"
     slip: SlipSettings = field(default_factory=SlipSettings)
+    take_off_offsets: bool = True
+    assumed: AssumedErrors = field(default_factory=AssumedErrors)
 
     def __post_init__(self) -> None:
         """Check the options."""
@@ -321,6 +261,8 @@ class VelocitySettings:
         one_of("slip_correction", self.slip_correction, (True, False))
         one_of("slip_method", self.slip_method, ("wheels", "tool"))
         expect("slip", self.slip, SlipSettings)
+        one_of("take_off_offsets", self.take_off_offsets, (True, False))
+        expect("assumed", self.assumed, AssumedErrors)
         if self.form == "printed" and self.slip_correction and self.slip_method == "wheels":
             raise InputError(
                 "slip_method = 'wheels': eq. 1.16 as printed tells no wheel from the other; "
@@ -340,6 +282,12 @@ class ChairVelocity(Result):
     wheel_yaw_rate_radps : (n,) array, rad/s, the same from the wheels: they differ when one slips;
         NaN where only one wheel has a sensor
     slip : (n,) bool array, True where the two yaw rates differ too much and for too long
+    linear_velocity_sd_mps : (n,) array, m/s, standard deviation of the speed: noise, offsets and
+        scale of the gyroscopes, radii, axles, timing, rocking; with two wheels their disagreement
+        with the frame, with one wheel track and camber. Sizes: ``settings.assumed``. A slip of
+        both wheels alike, or of the only one, is not seen and not contained
+    yaw_rate_sd_radps : (n,) array, rad/s, standard deviation of the frame's yaw rate
+    offsets : sensor to GyroscopeOffset that was taken off; empty if none was
     settings : VelocitySettings that were used
     warnings : sentences on what limits the result; empty if nothing does
     """
@@ -349,6 +297,9 @@ class ChairVelocity(Result):
     yaw_rate_radps: FloatArray
     wheel_yaw_rate_radps: FloatArray
     slip: NDArray[np.bool_]
+    linear_velocity_sd_mps: FloatArray
+    yaw_rate_sd_radps: FloatArray
+    offsets: dict[str, GyroscopeOffset] = field(default_factory=dict)
     settings: VelocitySettings = VelocitySettings()
     warnings: tuple[str, ...] = ()
 
@@ -374,7 +325,8 @@ class ChairVelocity(Result):
         Returns
         -------
         DataFrame
-            ``time_s``, ``linear_velocity_mps``, ``yaw_rate_degps`` and ``slip`` (0 or 1)
+            ``time_s``, ``linear_velocity_mps``, ``yaw_rate_degps``, ``slip`` (0 or 1),
+            ``linear_velocity_sd_mps`` and ``yaw_rate_sd_degps``
         """
         import pandas as pd
 
@@ -384,6 +336,8 @@ class ChairVelocity(Result):
                 "linear_velocity_mps": self.linear_velocity_mps,
                 "yaw_rate_degps": np.rad2deg(self.yaw_rate_radps),
                 "slip": self.slip.astype(int),
+                "linear_velocity_sd_mps": self.linear_velocity_sd_mps,
+                "yaw_rate_sd_degps": np.rad2deg(self.yaw_rate_sd_radps),
             }
         )
 
@@ -395,6 +349,7 @@ def estimate_velocity(
     mount: WheelchairMount,
     settings: VelocitySettings | None = None,
     *,
+    offsets: Mapping[str, GyroscopeOffset] | None = None,
     executor: Any = None,
 ) -> ChairVelocity: ...
 
@@ -406,6 +361,7 @@ def estimate_velocity(
     mount: WheelchairMount,
     settings: VelocitySettings | None = None,
     *,
+    offsets: Mapping[str, GyroscopeOffset] | None = None,
     executor: Any = None,
 ) -> list[ChairVelocity]: ...
 
@@ -416,9 +372,13 @@ def estimate_velocity(
     mount: WheelchairMount,
     settings: VelocitySettings | None = None,
     *,
+    offsets: Mapping[str, GyroscopeOffset] | None = None,
     executor: Any = None,
 ) -> ChairVelocity | list[ChairVelocity]:
     """Chair velocity and yaw rate of one recording or several (eqs 1.16-1.18).
+
+    The gyroscopes' offsets are found where the chair rests, and taken off
+    (:mod:`mobility_imu.offsets`); the printed form takes nothing off.
 
     Parameters
     ----------
@@ -428,6 +388,9 @@ def estimate_velocity(
     geometry : WheelchairGeometry
     mount : WheelchairMount, from :func:`~mobility_imu.wheelchair.calibration.calibrate_mount`
     settings : VelocitySettings; the corrected form without slip correction if None
+    offsets : sensor to GyroscopeOffset of other recordings of that day, such as
+        ``calibration.offsets``; they help where the recording rests shortly or not at all. Without
+        any, nothing is taken off, with a warning
     executor : anything with ``submit``, for a list
         (:func:`~mobility_imu.executors.run_all`); None computes here
 
@@ -445,8 +408,18 @@ def estimate_velocity(
     expect("geometry", geometry, WheelchairGeometry)
     expect("mount", mount, WheelchairMount)
     settings = settings_or_default("settings", settings, VelocitySettings)
+    expect("offsets", {} if offsets is None else offsets, Mapping)
+    offsets = {} if offsets is None else dict(offsets)
+    for name, offset in offsets.items():
+        expect(f"offsets[{name!r}]", offset, GyroscopeOffset)
     return for_each(
-        _one_recording, recording, executor, geometry=geometry, mount=mount, settings=settings
+        _one_recording,
+        recording,
+        executor,
+        geometry=geometry,
+        mount=mount,
+        settings=settings,
+        offsets=offsets,
     )
 
 
@@ -455,30 +428,81 @@ def _one_recording(
     geometry: WheelchairGeometry,
     mount: WheelchairMount,
     settings: VelocitySettings,
+    offsets: Mapping[str, GyroscopeOffset],
 ) -> ChairVelocity:
-    yaw_rate = mount.frame(recording.gyroscope("frame"))[:, 2]
     present = [side for side in SIDES if f"{side}_wheel" in recording.sensors]
+    names = ["frame", *(f"{side}_wheel" for side in present or SIDES)]
+    warnings: tuple[str, ...] = ()
+    if settings.form == "printed" or not settings.take_off_offsets:
+        offsets = {}
+    else:
+        found = merge_offsets(rest_offsets(recording, names), offsets)
+        offsets = {name: found[name] for name in names if name in found}
+        warnings = offset_warnings(recording, offsets, names)
+        recording = without_offsets(recording, offsets)
     try:
-        rates = {
-            side: mount.wheel(side, recording.gyroscope(f"{side}_wheel"))
+        rates = {"frame": mount.frame(recording.gyroscope("frame"))} | {
+            f"{side}_wheel": mount.wheel(side, recording.gyroscope(f"{side}_wheel"))
             for side in present or SIDES
         }
     except InputError as error:
         where = "" if recording.source in str(error) else f"{recording.source}: "
         raise InputError(f"{where}{error}") from None
-    if len(rates) == 1:
-        return _from_one_wheel(recording, geometry, yaw_rate, rates, settings)
-    if settings.form == "corrected":
+    both = len(present) == 2
+    velocity, wheel_yaw, slip = (_from_two_wheels if both else _from_one_wheel)(
+        recording, geometry, mount, rates, settings
+    )
+    yaw_rate = rates["frame"][:, 2]
+    sd = speed_uncertainty(
+        rates,
+        wheel_yaw - yaw_rate if both else None,
+        geometry,
+        mount,
+        recording.sampling_rate_hz,
+        offsets=offsets,
+        errors=settings.assumed,
+    )
+    if not both:
+        warnings = (
+            f"{recording.source}: only the {present[0]} wheel has a sensor; speed from it and the "
+            "frame, slip cannot be seen",
+            *warnings,
+        )
+    return ChairVelocity(
+        time_s=recording.time_s,
+        linear_velocity_mps=as_series(velocity, f"{recording.source}: linear velocity"),
+        yaw_rate_radps=yaw_rate,
+        wheel_yaw_rate_radps=wheel_yaw,
+        slip=slip,
+        linear_velocity_sd_mps=sd.linear_velocity_sd_mps,
+        yaw_rate_sd_radps=sd.yaw_rate_sd_radps,
+        offsets=dict(offsets),
+        settings=settings,
+        warnings=warnings,
+    )
+
+
+def _from_two_wheels(
+    recording: Recording,
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    rates: Mapping[str, FloatArray],
+    settings: VelocitySettings,
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Speed, wheels' yaw rate and slip."""
+    yaw_rate = rates["frame"][:, 2]
+    corrected = settings.form == "corrected"
+    if corrected:
         left, right = (
-            wheel_spin_rate(rates[side][:, 2], yaw_rate, geometry.camber_rad, side=side)
+            wheel_spin_rate(rates[f"{side}_wheel"][:, 2], yaw_rate, geometry.camber_rad, side=side)
             for side in SIDES
         )
     else:
         left, right = (
-            wheel_spin_rate_printed(rates[side], geometry.camber_rad, side=side) for side in SIDES
+            wheel_spin_rate_printed(rates[f"{side}_wheel"], geometry.camber_rad, side=side)
+            for side in SIDES
         )
     # The printed document pairs its spin with the wheel-centre distance.
-    corrected = settings.form == "corrected"
     distance = geometry.track_m if corrected else geometry.wheel_centre_distance_m
     velocity = linear_velocity(left, right, geometry)
     wheel_yaw = wheel_yaw_rate(left, right, geometry, distance_m=distance)
@@ -495,41 +519,27 @@ def _one_recording(
             wheels=wheel_speeds(velocity, wheel_yaw, yaw_rate, geometry),
             method=settings.slip_method,
         )
-    return ChairVelocity(
-        time_s=recording.time_s,
-        linear_velocity_mps=as_series(velocity, f"{recording.source}: linear velocity"),
-        yaw_rate_radps=yaw_rate,
-        wheel_yaw_rate_radps=wheel_yaw,
-        slip=windows.flags(len(recording)),
-        settings=settings,
-    )
+    return velocity, wheel_yaw, windows.flags(len(recording))
 
 
 def _from_one_wheel(
     recording: Recording,
     geometry: WheelchairGeometry,
-    yaw_rate: FloatArray,
-    rates: dict[Side, FloatArray],
+    mount: WheelchairMount,
+    rates: Mapping[str, FloatArray],
     settings: VelocitySettings,
-) -> ChairVelocity:
-    ((side, rate),) = rates.items()
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Speed; there is no yaw rate of the wheels, and no slip can be seen."""
+    (side,) = (side for side in SIDES if f"{side}_wheel" in rates)
     if settings.form == "printed":
         raise InputError(
             f"{recording.source}: eq. 1.16 as printed needs both wheels, found the {side}"
         )
-    velocity = single_wheel_velocity(rate[:, 2], yaw_rate, geometry, side=side)
-    return ChairVelocity(
-        time_s=recording.time_s,
-        linear_velocity_mps=as_series(velocity, f"{recording.source}: linear velocity"),
-        yaw_rate_radps=yaw_rate,
-        wheel_yaw_rate_radps=np.full(len(recording), np.nan),
-        slip=np.zeros(len(recording), bool),
-        settings=settings,
-        warnings=(
-            f"{recording.source}: only the {side} wheel has a sensor; speed from it and the frame, "
-            "slip cannot be seen",
-        ),
+    velocity = single_wheel_velocity(
+        rates[f"{side}_wheel"][:, 2], rates["frame"][:, 2], geometry, side=side
     )
+    count = len(recording)
+    return velocity, np.full(count, np.nan), np.zeros(count, bool)
 
 
 def _refuse_swapped_wheels(

@@ -11,7 +11,14 @@ from command_lines import COURT, velocity, velocity_csv
 def test_from_raw_trial_to_chronogram(tmp_path, works):
     works(*velocity())
     found = pd.read_csv(tmp_path / "v.csv")
-    assert list(found) == ["time_s", "linear_velocity_mps", "yaw_rate_degps", "slip"]
+    assert list(found) == [
+        "time_s",
+        "linear_velocity_mps",
+        "yaw_rate_degps",
+        "slip",
+        "linear_velocity_sd_mps",
+        "yaw_rate_sd_degps",
+    ]
     truth = pd.read_csv(COURT / "truth.csv.gz")
     # Simulated noise and bias: 0.003 rad/s on the gyroscopes, times the radius.
     error = found["linear_velocity_mps"] - truth["linear_velocity_mps"]

@@ -41,7 +41,7 @@ def test_errors_of_the_check_over_their_standard_deviations():
                 (found.camber_rad - court.geometry.camber_rad) / found.camber_sd_rad,
             ]
         )
-        warnings += found.warnings
+        warnings += [] if found.fits else found.warnings
     low, high = chance(60)
     assert (rms(ratios) > low).all() and (rms(ratios) < high).all(), rms(ratios)
     # Beyond three standard deviations lies 1 in 370.

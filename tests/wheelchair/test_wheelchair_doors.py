@@ -240,9 +240,15 @@ def test_the_command_writes_what_the_library_gives(tmp_path, arguments, settings
     app([str(part) for part in command], standalone_mode=False)
     app(["wheelchair", "tasks", str(velocity), "-o", str(tasks)], standalone_mode=False)
 
-    mount = calibrate_mount(read_recording(static), read_recording(straight)).mount
+    calibration = calibrate_mount(
+        read_recording(static),
+        read_recording(straight),
+        take_off_offsets=settings.form == "corrected",
+    )
     chair = WheelchairGeometry.from_toml(geometry)
-    drive = estimate_velocity(read_recording(court), chair, mount, settings)
+    drive = estimate_velocity(
+        read_recording(court), chair, calibration.mount, settings, offsets=calibration.offsets
+    )
     written = pd.read_csv(velocity)
     pd.testing.assert_frame_equal(written, drive.to_frame(), rtol=0, atol=1e-5)
     labels = pd.read_csv(tasks)

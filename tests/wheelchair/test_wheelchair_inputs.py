@@ -32,13 +32,15 @@ from mobility_imu.wheelchair.calibration import (
 )
 from mobility_imu.wheelchair.outcomes import onset_errors, turn_direction
 from mobility_imu.wheelchair.tasks import curvature_radius, reduce_variability, task_steps
+from mobility_imu.wheelchair.uncertainty import (
+    velocity_standard_deviation,
+    wheel_yaw_standard_deviation,
+)
 from mobility_imu.wheelchair.velocity import (
     linear_velocity,
     single_wheel_velocity,
-    velocity_standard_deviation,
     wheel_spin_rate,
     wheel_yaw_rate,
-    wheel_yaw_standard_deviation,
 )
 
 COUNT = 60

@@ -44,11 +44,11 @@ from mobility_imu.wheelchair.calibration import (
     alignment_matrix,
     wheel_alignment_angles,
 )
+from mobility_imu.wheelchair.uncertainty import velocity_standard_deviation
 from mobility_imu.wheelchair.velocity import (
     linear_velocity,
     printed_yaw_gain,
     single_wheel_velocity,
-    velocity_standard_deviation,
     wheel_spin_rate,
     wheel_spin_rate_printed,
     wheel_yaw_rate,

@@ -115,7 +115,8 @@ class Sample(NamedTuple):
     Parameters
     ----------
     static, straight, trial : Recording
-    calibration : WheelchairCalibration
+    calibration : WheelchairCalibration, with the gyroscopes' offsets left in, as the public tool
+        has them: the trial itself has no rest
     """
 
     static: Recording
@@ -150,7 +151,8 @@ def load_sample(folder: Path) -> Sample:
     Sample
     """
     static, straight, trial = (read_recording(folder / name) for name in TRIAL_FILES)
-    return Sample(static, straight, trial, calibrate_mount(static, straight))
+    calibration = calibrate_mount(static, straight, take_off_offsets=False)
+    return Sample(static, straight, trial, calibration)
 
 
 def load_tool_velocities(folder: Path) -> ToolVelocities | None:

@@ -1,0 +1,141 @@
+"""Gyroscope offsets at rest: found without knowing them, robust, and as uncertain as stated."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.errors import InputError
+from mobility_imu.offsets import (
+    DRIFT_SD_RADPS,
+    GyroscopeOffset,
+    gyroscope_offset,
+    merge_offsets,
+    offset_warnings,
+    rest_flags,
+    rest_offsets,
+    without_offsets,
+)
+from mobility_imu.recording import Imu, Recording
+
+RATE_HZ = 100.0
+OFFSET = np.deg2rad([2.0, -3.0, 1.0])
+
+
+def sensor(rest_s=4.0, moving_s=6.0, *, offset=OFFSET, seed=0, wobble=0.0, noise=0.002):
+    """Arrays of a sensor that rests, then turns with a swing; wobble is a slow rocking in rest."""
+    rng = np.random.default_rng(seed)
+    count = round((rest_s + moving_s) * RATE_HZ)
+    time_s = np.arange(count) / RATE_HZ
+    moving = time_s >= rest_s
+    phases = rng.uniform(0, 2 * np.pi, 3)
+    slow = wobble * np.sin(2 * np.pi * np.array([0.31, 0.47, 0.73]) * time_s[:, None] + phases)
+    swing = 1.5 * np.sin(4 * time_s)[:, None] * [1, 0.5, 0.8]
+    gyr = offset + np.where(moving[:, None], swing, slow) + noise * rng.standard_normal((count, 3))
+    acc = np.array([0.0, 0.0, 9.81]) + 0.02 * rng.standard_normal((count, 3))
+    acc[moving] += np.sin(3 * time_s[moving])[:, None]
+    return acc, gyr, time_s
+
+
+def recording(*arrays, names=("frame",)):
+    return Recording(
+        arrays[0][2], {n: Imu(a[0], a[1]) for n, a in zip(names, arrays, strict=True)}, source="x"
+    )
+
+
+@pytest.mark.parametrize("size", [0.0, 1.0, 3.0, 5.0])
+def test_rest_is_found_whatever_the_offset(size):
+    acc, gyr, time_s = sensor(offset=np.deg2rad(size) * np.array([1.0, -1.0, 1.0]))
+    rest = rest_flags(acc, gyr, RATE_HZ)
+    assert rest[time_s < 3.5].all() and not rest[time_s > 4.5].any()
+
+
+def test_offset_is_as_uncertain_as_stated():
+    """200 rests of 4 s; a factor of two either way fails."""
+    ratios = []
+    for seed in range(200):
+        acc, gyr, _ = sensor(seed=seed, noise=0.02)
+        found = gyroscope_offset(gyr, rest_flags(acc, gyr, RATE_HZ), RATE_HZ)
+        ratios.append((found.offset_radps - OFFSET) / found.sd_radps)
+    assert 0.6 < np.sqrt(np.mean(np.square(ratios))) < 1.2
+
+
+def test_the_rocking_of_a_person_is_in_the_uncertainty():
+    """A sum of slow swings of 0.6 deg/s stays within its bounds: no mean of it grows with time."""
+    ratios = []
+    for seed in range(100):
+        acc, gyr, _ = sensor(seed=seed, wobble=0.01)
+        found = gyroscope_offset(gyr, rest_flags(acc, gyr, RATE_HZ), RATE_HZ)
+        ratios.append((found.offset_radps - OFFSET) / found.sd_radps)
+    assert np.mean(np.abs(ratios) < 2) > 0.95
+
+
+def test_offset_turns_with_the_axes_of_the_sensor():
+    acc, gyr, _ = sensor(wobble=0.01)
+    turned = Rotation.random(rng=1).as_matrix()
+    first = gyroscope_offset(gyr, rest_flags(acc, gyr, RATE_HZ), RATE_HZ)
+    acc, gyr = acc @ turned.T, gyr @ turned.T
+    second = gyroscope_offset(gyr, rest_flags(acc, gyr, RATE_HZ), RATE_HZ)
+    np.testing.assert_allclose(second.offset_radps, turned @ first.offset_radps, atol=1e-12)
+    np.testing.assert_allclose(second.covariance, turned @ first.covariance @ turned.T, atol=1e-12)
+
+
+def test_coarse_steps_hide_no_offset():
+    """Steps of 0.06 and 1 deg/s, as some sensors have, with noise below the step."""
+    for step in np.deg2rad([0.06, 1.0]):
+        acc, gyr, _ = sensor(noise=0.004)
+        gyr = np.round(gyr / step) * step
+        found = gyroscope_offset(gyr, rest_flags(acc, gyr, RATE_HZ), RATE_HZ)
+        assert np.abs(found.offset_radps - OFFSET).max() < 0.55 * step + 3 * found.sd_radps.max()
+
+
+def test_a_short_motion_that_passes_for_rest_moves_nothing():
+    _, gyr, _ = sensor(rest_s=6.0)
+    found = gyroscope_offset(gyr, np.arange(len(gyr)) < 700, RATE_HZ)  # one second too long
+    assert np.abs(found.offset_radps - OFFSET).max() < 0.001
+
+
+def test_no_rest_no_offset():
+    acc, gyr, time_s = sensor(rest_s=0.5)
+    assert not rest_flags(acc, gyr, RATE_HZ).any()
+    moving = recording((acc, gyr, time_s))
+    assert rest_offsets(moving) == {}
+    assert without_offsets(moving, {}) is moving
+    (sentence,) = offset_warnings(moving, {}, ["frame"])
+    assert "no second of rest" in sentence
+    # Faster than any offset: a steady turn.
+    acc, gyr, _ = sensor(offset=np.array([0.0, 0.0, 0.5]))
+    assert gyroscope_offset(gyr, rest_flags(acc, gyr, RATE_HZ), RATE_HZ) is None
+
+
+def test_all_sensors_of_the_device_must_rest_at_once():
+    still, turning = sensor(rest_s=8.0, moving_s=2.0), sensor(rest_s=3.0, moving_s=7.0, seed=1)
+    found = rest_offsets(recording(still, turning, names=("frame", "left_wheel")))
+    assert found["frame"].rest_s <= 3.0
+    assert rest_offsets(recording(still)).get("frame").rest_s > 6.0
+
+
+def offset(rate_degps, sd_degps):
+    covariance = np.deg2rad(sd_degps) ** 2 * np.eye(3)
+    return GyroscopeOffset(np.deg2rad(rate_degps) * np.ones(3), covariance, np.zeros(3), 2.0)
+
+
+def test_own_rest_and_others_are_weighed_or_kept_apart():
+    other = offset(1.0, 0.0)
+    (alone,) = merge_offsets({}, {"frame": other}).values()
+    np.testing.assert_allclose(alone.sd_radps, DRIFT_SD_RADPS)
+    (merged,) = merge_offsets({"frame": offset(1.2, 0.1)}, {"frame": other}).values()
+    np.testing.assert_allclose(np.rad2deg(merged.offset_radps), 1.1)
+    assert np.rad2deg(merged.sd_radps).max() < 0.08
+    (changed,) = merge_offsets({"frame": offset(2.0, 0.1)}, {"frame": other}).values()
+    np.testing.assert_allclose(np.rad2deg(changed.offset_radps), 2.0)
+
+
+def test_wrong_shapes_are_refused():
+    acc, gyr, _ = sensor()
+    with pytest.raises(InputError, match="gyr_radps"):
+        rest_flags(acc, gyr[:-1], RATE_HZ)
+    with pytest.raises(InputError, match="rest"):
+        gyroscope_offset(gyr, np.ones(3, bool), RATE_HZ)
+    with pytest.raises(InputError, match="covariance"):
+        GyroscopeOffset(np.zeros(3), -np.eye(3), np.zeros(3), 1.0)
+    assert not rest_flags(acc[:50], gyr[:50], RATE_HZ).any()
