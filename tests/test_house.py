@@ -25,7 +25,7 @@ LAYERS = (
     {"frames", "data", "_compiled", "executors"},
     {"runs", "results"},
     {"rotations", "filters", "recording"},
-    {"hinges", "quality", "readers"},
+    {"hinges", "offsets", "quality", "readers"},
     {"datasets"},
     set(DEVICES),
     {"simulation"},

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, as_flags
+from mobility_imu.offsets import rest_offsets
 from mobility_imu.quality import frozen_samples, saturated_samples
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
@@ -31,6 +34,8 @@ _STEADY_RADPS = 0.01
 """Scatter of a resting gyroscope is below this; in deg/s it would be above."""
 _LOCAL = 0.1
 """Innovations that lie in so small a fraction of the rests have a cause there, not throughout."""
+_HARMLESS = 1 / 2
+"""Up to this fraction of the detector's limit, an offset of the gyroscope is left to the filter."""
 
 
 def navigate_recording(
@@ -40,18 +45,24 @@ def navigate_recording(
     settings: NavigationSettings | None = None,
     stillness: StillnessSettings | None = None,
     closed_loop: ClosedLoop | None = None,
+    rests: ArrayLike | None = None,
 ) -> tuple[Navigation, tuple[str, ...]]:
     """Stillness and path of a recording's sensor "frame", with warnings.
+
+    An offset of the gyroscope that would hide the rests from the detector is found from the times
+    in which neither rate nor force changes, and taken off first.
 
     Parameters
     ----------
     recording : Recording with a sensor "frame"
     smooth, settings, closed_loop : see :func:`mobility_imu.walker.navigation.navigate`
     stillness : StillnessSettings
+    rests : (n,) flags of the samples at rest, if they are known; None finds them
 
     Returns
     -------
-    Navigation from the first rest on, warnings (a late rest, samples at the end of the range)
+    Navigation from the first rest on, warnings (a late rest, samples at the end of the range, an
+    offset)
 
     Raises
     ------
@@ -71,8 +82,19 @@ def navigate_recording(
             "more (is time_s in ms?)"
         )
     _check_size(recording)
-    still = find_stillness(imu.acc_mps2, gyr, rate_hz, stillness)
+    detector = stillness or StillnessSettings()
     cut, warnings = _faulty_samples(recording)
+    offset = _offset(recording, settings or NavigationSettings(), detector)
+    if offset.any():
+        gyr = gyr - offset
+        shown = ", ".join(f"{k} {v:.2f}" for k, v in zip("xyz", np.rad2deg(offset), strict=True))
+        warnings.append(
+            f"{recording.source}: the gyroscope has an offset ({shown} deg/s), which is taken off"
+        )
+    if rests is None:
+        still = find_stillness(imu.acc_mps2, gyr, rate_hz, detector)
+    else:
+        still = as_flags(rests, "rests", length=len(recording))
     # Where up is comes from the first rest; what lies before it cannot be followed.
     begin = int(np.argmax(still))
     late_s = float(recording.time_s[begin] - recording.time_s[0])
@@ -80,7 +102,7 @@ def navigate_recording(
         raise InputError(
             f"{recording.source}: the frame is not still within the first {LATEST_REST_S:g} s: "
             "expected some seconds of rest at the start, which say where up is"
-            + _why_not_still(imu.acc_mps2, gyr, rate_hz, stillness or StillnessSettings())
+            + (_why_not_still(imu.acc_mps2, gyr, rate_hz, detector) if rests is None else "")
         )
     if late_s > 0.2:
         warnings.append(
@@ -100,7 +122,29 @@ def navigate_recording(
         )
     except InputError as error:
         raise InputError(f"{recording.source}: {error}") from None
+    if offset.any():
+        path = replace(path, gyr_bias_radps=path.gyr_bias_radps + offset)
     return path, (*warnings, *_inconsistent_rests(path, recording.source))
+
+
+def _offset(
+    recording: Recording, settings: NavigationSettings, detector: StillnessSettings
+) -> FloatArray:
+    """Offset of the gyroscope to be taken off, rad/s; zeros if the filter can do without.
+
+    The filter learns a small one in the first rest, or assumes one of a stated size. What the rests
+    do not show beyond doubt is no offset.
+    """
+    found = rest_offsets(recording, ("frame",)).get("frame")
+    if found is None:
+        return np.zeros(3)
+    small = _HARMLESS * detector.rate_radps
+    if not settings.initial_gyr_mean:
+        small = min(small, 2 * settings.gyr_bias_prior_sd_radps)
+    size = float(np.linalg.norm(found.offset_radps))
+    if size < max(small, 3 * float(np.linalg.norm(found.sd_radps))):
+        return np.zeros(3)
+    return found.offset_radps
 
 
 def _check_size(recording: Recording) -> None:

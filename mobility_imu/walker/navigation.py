@@ -30,6 +30,7 @@ from mobility_imu.frames import (
 )
 from mobility_imu.results import Result
 from mobility_imu.rotations import cross_matrix
+from mobility_imu.runs import runs_of
 from mobility_imu.walker import _kernel, eskf
 from mobility_imu.walker.error_state import (
     GRAVITY_MPS2,
@@ -69,7 +70,6 @@ __all__ = [
     "strapdown_rates",
 ]
 
-_DEG = float(np.deg2rad(1))
 _PLAIN_S_PER_SAMPLE = 1e-4  # of the readable filter, and a fifth of it for the states alone
 
 
@@ -85,6 +85,7 @@ class Navigation(Result):
     gyr_bias_radps, acc_bias_mps2 : (n, 3) IMU's axes
     sd : (n, 15) standard deviations in the order of STATES; the attitude's are half angles, rad,
         about the IMU's axes; inside a stride their squares are linear from sample to sample
+    xy_covariance_m2 : (n,) covariance of the position's errors along x and y
     still : (n,) bool
     nis : (n,) normalised innovation squared, summed over the updates of a sample
     nis_dof : (n,) int, number of these updates; 0 but at a stride's last sample
@@ -99,6 +100,7 @@ class Navigation(Result):
     gyr_bias_radps: FloatArray
     acc_bias_mps2: FloatArray
     sd: FloatArray
+    xy_covariance_m2: FloatArray
     still: NDArray[np.bool_]
     nis: FloatArray
     nis_dof: NDArray[np.int64]
@@ -192,7 +194,7 @@ def integrate_strapdown(
             if at_rest[k]:
                 state = state._replace(velocity_mps=np.zeros(3))
             states[k + 1] = eskf.as_row(state)
-    variances = np.full((count + 1, 15), np.nan)
+    variances = np.full((count + 1, 16), np.nan)
     nis, dof = np.zeros(count), np.zeros(count, np.int64)
     ends = np.arange(1, count + 1)
     return _at_samples(clock, states, ends, variances, at_rest, nis, dof, None)
@@ -292,7 +294,8 @@ def run_filter(
     alone = saturated | (dt > GAP_FACTOR * np.median(dt))
     ends = eskf.stride_ends(at_rest, alone, settings.moving_stride, settings.resting_stride)
     problem = eskf.Problem(
-        acc, gyr, dt, at_rest, saturated, seen, ends, settings.noise(), settings.zero_rate,
+        acc, gyr, dt, at_rest, _long_moves(at_rest, dt, settings.longest_move_s), saturated, seen,
+        ends, settings.noise(), settings.zero_rate,
         settings.form, float(np.cos(settings.upright_rad)),
     )  # fmt: skip
     states, variances, nis, dof = _solve(problem, first, first_covariance, smooth, closed_loop)
@@ -312,7 +315,7 @@ def _solve(
     smooth: bool,
     closed_loop: ClosedLoop | None,
 ) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.int64]]:
-    """States (n + 1, 16), variances (m + 1, 15), NIS and its degrees of freedom (n,).
+    """States (n + 1, 16), variances (m + 1, 16), NIS and its degrees of freedom (n,).
 
     By the kernel if its machine code is there or is worth its time, else by the readable form.
     """
@@ -325,9 +328,10 @@ def _solve(
     sign, coupling = (1.0, 0.0) if problem.form == "printed" else (-1.0, 1.0)
     noise = np.array([*problem.noise, eskf.SATURATED_ACC_SD_MPS2**2])
     mu, big_lambda = np.zeros(15), np.zeros((15, 15))
-    variances = np.empty((strides + 1, 15))
+    variances = np.empty((strides + 1, 16))
     forward = (
-        problem.acc, problem.gyr, problem.still, problem.saturated, problem.observed, problem.dt,
+        problem.acc, problem.gyr, problem.still, problem.long_move, problem.saturated,
+        problem.observed, problem.dt,
         problem.ends, noise, problem.zero_rate, sign, coupling, problem.upright_cos, work, states,
         covariances, transitions, innovations, weights, errors, nis, dof,
     )  # fmt: skip
@@ -347,7 +351,7 @@ def _solve(
         filtered = eskf.run_filter(problem, start, covariance)
         states, dense, nis, dof = filtered[:4]
     if not smooth:
-        return states, np.maximum(np.diagonal(dense, axis1=1, axis2=2), 0), nis, dof
+        return states, eskf.variances_of(dense), nis, dof
     if closed_loop is not None:
         mu, big_lambda = eskf.known_end(
             eskf.from_row(states[0]), eskf.from_row(states[-1]), dense[-1],
@@ -359,7 +363,8 @@ def _solve(
         _kernel.run_smoother(*backward[:6], mu, flat.ravel(), *backward[8:])
     else:
         states, variances = eskf.run_smoother(problem, filtered, mu, big_lambda)
-    return states, np.maximum(variances, 0), nis, dof
+    np.maximum(variances[:, :15], 0, out=variances[:, :15])  # rounding may have left less
+    return states, variances, nis, dof
 
 
 def _inputs(
@@ -400,6 +405,14 @@ def _intervals(clock: FloatArray) -> FloatArray:
     return np.asarray((bounds[1:] + bounds[:-1]) / 2)
 
 
+def _long_moves(still: NDArray[np.bool_], dt: FloatArray, longest_s: float) -> NDArray[np.bool_]:
+    """Whether each sample is in a move that lasts too long for one of a frame."""
+    found = np.zeros(len(still), np.bool_)
+    for move in runs_of(~still):
+        found[move] = dt[move].sum() > longest_s
+    return found
+
+
 def _start(
     clock: FloatArray,
     acc: FloatArray,
@@ -433,7 +446,7 @@ def _start(
     if settings.initial_gyr_mean:
         gyr_bias, gyr_var = rate, settings.gyr_bias_sd_radps**2 + noise.gyr / length
     else:
-        gyr_bias, gyr_var = np.zeros(3), (0.5 * _DEG) ** 2
+        gyr_bias, gyr_var = np.zeros(3), settings.gyr_bias_prior_sd_radps**2
     # The first attitude is right if the accelerometer's bias is nil: both err together.
     acc_var = settings.acc_bias_sd_mps2**2
     lean = cross_matrix(up) / (2 * STANDARD_GRAVITY_MPS2)
@@ -469,7 +482,8 @@ def _at_samples(
     later = (np.arange(len(clock)) + 0.5 - (ends - sizes)[stride]) / sizes[stride]
     spread = variances[stride]
     spread += later[:, None] * np.diff(variances, axis=0)[stride]
-    sd = np.sqrt(np.maximum(spread, 0, out=spread), out=spread)
+    xy = spread[:, 15].copy()
+    sd = np.sqrt(np.maximum(spread[:, :15], 0))
     return Navigation(
-        clock, quaternion, position, velocity, gyr_bias, acc_bias, sd, still, nis, dof, settings
+        clock, quaternion, position, velocity, gyr_bias, acc_bias, sd, xy, still, nis, dof, settings
     )

@@ -1,0 +1,325 @@
+"""Constant offsets of gyroscopes, found while the device rests.
+
+A gyroscope that stands still reads its offset: 0.2 deg/s is usual, 3 deg/s are found on cheap ones.
+Integrated over half a minute, 1 deg/s is a turn of 30 deg that never was. Rests are found without
+knowing the offset: a sensor rests while neither its rates nor its specific force change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_flags, as_number, as_vectors
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.results import Result
+from mobility_imu.runs import long_runs, runs_of
+
+__all__ = [
+    "LARGE_OFFSET_RADPS",
+    "UNKNOWN_OFFSET_SD_RADPS",
+    "GyroscopeOffset",
+    "gyroscope_offset",
+    "merge_offsets",
+    "offset_warnings",
+    "rest_flags",
+    "rest_offsets",
+    "without_offsets",
+]
+
+WINDOW_S = 1.0
+"""Length over which rates and specific force must not change."""
+LARGEST_WOBBLE_RADPS = 0.05
+"""Root mean square of the rates about their mean: a person who sits in a chair stays below a third
+of it, a device held in the hand below all of it."""
+LARGEST_SWAY_MPS2 = 0.15
+"""The same of the specific force: gravity moves by more on a wheel that turns by 3 deg in a
+second."""
+VIBRATION_S = 0.25
+"""Specific force is averaged over this, so that an idling motor does not pass for a motion."""
+EDGE_S = 0.25
+"""Left off at each end of a rest: there a motion may begin."""
+BLOCK_S = 0.5
+"""A rest is cut into blocks of this length, whose means are taken for independent."""
+SHORTEST_REST_S = 1.0
+LARGEST_OFFSET_RADPS = 0.15
+"""Nothing that is sold has more (8.6 deg/s): it is a steady turn."""
+LARGE_OFFSET_RADPS = float(np.deg2rad(0.5))
+"""From this size on a warning states the offset: 15 deg in half a minute."""
+UNKNOWN_OFFSET_SD_RADPS = float(np.deg2rad(0.5))
+"""Offset of a usual sensor of which no rest is known (MTi-1: 0.5 deg/s, data sheet)."""
+DRIFT_SD_RADPS = float(np.deg2rad(0.1))
+"""Change of an offset between two recordings of one day: warming up by some degrees, at 0.02 to
+0.05 (deg/s)/K of usual data sheets."""
+LARGEST_T_VARIANCE = 3.0
+"""Student's distribution of a mean of few blocks is wider than the normal one, at most by this."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GyroscopeOffset(Result):
+    """Constant offset of one gyroscope, in the sensor's axes.
+
+    Parameters
+    ----------
+    offset_radps : (3,) array, rad/s, what the gyroscope reads at rest
+    sd_radps : (3,) array, rad/s, standard deviation of the offset
+    noise_radps : (3,) array, rad/s, standard deviation of one sample about it, by the differences
+        of neighbours at rest; slow wobble is not in it
+    rest_s : s of rest that it was found from
+    """
+
+    offset_radps: FloatArray
+    sd_radps: FloatArray
+    noise_radps: FloatArray
+    rest_s: float
+
+    def __post_init__(self) -> None:
+        """Check shapes and signs."""
+        for name in ("offset_radps", "sd_radps", "noise_radps"):
+            vector = as_vectors(getattr(self, name), name, ndim=1, finite=True)
+            if name != "offset_radps" and (vector < 0).any():
+                raise InputError(f"{name}: expected numbers of 0 or more, got {vector}")
+            object.__setattr__(self, name, vector)
+        object.__setattr__(self, "rest_s", as_number(self.rest_s, "rest_s", zero=True))
+        super().__post_init__()
+
+
+def rest_flags(
+    acc_mps2: ArrayLike, gyr_radps: ArrayLike, sampling_rate_hz: float
+) -> NDArray[np.bool_]:
+    """Where one sensor rests: neither its rates nor its specific force change for a second.
+
+    A constant offset does not matter. A steady turn about the vertical looks like a rest to one
+    sensor alone; other sensors of the device tell it (:func:`rest_offsets`).
+
+    Parameters
+    ----------
+    acc_mps2, gyr_radps : (n, 3) arrays
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    (n,) bool array; empty of rests if the recording is shorter than one second
+
+    Raises
+    ------
+    InputError
+        If the arrays are no series of three real numbers, or differ in length.
+    """
+    acc = as_vectors(acc_mps2, "acc_mps2", ndim=2, finite=True)
+    gyr = as_vectors(gyr_radps, "gyr_radps", length=len(acc), finite=True)
+    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    window = max(3, round(WINDOW_S * rate))
+    if len(acc) < window:
+        return np.zeros(len(acc), np.bool_)
+    slow = ndimage.uniform_filter1d(acc, max(1, round(VIBRATION_S * rate)), axis=0)
+    quiet = (_spread(gyr, window) <= LARGEST_WOBBLE_RADPS) & (
+        _spread(slow, window) <= LARGEST_SWAY_MPS2
+    )
+    rest = np.zeros(len(acc) + 1, int)
+    starts = np.nonzero(quiet)[0]
+    np.add.at(rest, starts, 1)
+    np.add.at(rest, starts + window, -1)
+    return np.asarray(np.cumsum(rest[:-1]) > 0)
+
+
+def _spread(values: FloatArray, window: int) -> FloatArray:
+    """Root mean square about the mean in each window that lies inside, by its first sample."""
+    centred = values - np.median(values, axis=0)
+    sums = np.vstack([np.zeros((1, 3)), np.cumsum(centred, axis=0)])
+    squares = np.r_[0.0, np.cumsum(np.einsum("ij,ij->i", centred, centred))]
+    mean = (sums[window:] - sums[:-window]) / window
+    mean_square = (squares[window:] - squares[:-window]) / window
+    return np.asarray(np.sqrt(np.maximum(mean_square - np.einsum("ij,ij->i", mean, mean), 0.0)))
+
+
+def gyroscope_offset(
+    gyr_radps: ArrayLike, rest: ArrayLike, sampling_rate_hz: float
+) -> GyroscopeOffset | None:
+    """Offset of one gyroscope from the samples in which it rests.
+
+    The median of the means of half seconds: a motion that passes for a rest does not move it while
+    most of the time is rest. The standard deviation comes from the scatter of these means, so that
+    a person's wobble is in it.
+
+    Parameters
+    ----------
+    gyr_radps : (n, 3) array, rad/s
+    rest : (n,) flags, as from :func:`rest_flags`
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    GyroscopeOffset, or None with less than a second of rest
+    """
+    gyr = as_vectors(gyr_radps, "gyr_radps", ndim=2, finite=True)
+    flags = as_flags(rest, "rest", length=len(gyr))
+    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    block, edge = max(2, round(BLOCK_S * rate)), round(EDGE_S * rate)
+    means, noise = [], []
+    for run in runs_of(flags):
+        # The recording's own ends are no motion.
+        start = run.start + (edge if run.start else 0)
+        stop = run.stop - (edge if run.stop < len(gyr) else 0)
+        count = max(stop - start, 0) // block
+        parts = gyr[start : start + count * block].reshape(count, block, 3)
+        means.append(parts.mean(axis=1))
+        noise.append(np.diff(parts, axis=1).reshape(-1, 3))
+    blocks = np.concatenate(means) if means else np.zeros((0, 3))
+    still = (np.abs(blocks) <= LARGEST_OFFSET_RADPS).all(axis=1)
+    blocks = blocks[still]
+    count = len(blocks)
+    if count * block < round(SHORTEST_REST_S * rate) or count < 2:
+        return None
+    free = count - 1
+    student = min(free / (free - 2), LARGEST_T_VARIANCE) if free > 2 else LARGEST_T_VARIANCE
+    white = np.sqrt(np.mean(np.square(np.concatenate(noise)), axis=0) / 2)
+    # A median scatters by sqrt(pi / 2) more than a mean; coarse steps hide what lies below them.
+    scatter = np.sqrt(np.pi / 2 * student / count) * blocks.std(axis=0, ddof=1)
+    least = white / np.sqrt(count * block)
+    return GyroscopeOffset(
+        np.median(blocks, axis=0), np.maximum(scatter, least), white, count * block / rate
+    )
+
+
+def rest_offsets(
+    recording: Recording, sensors: Collection[str] | None = None
+) -> dict[str, GyroscopeOffset]:
+    """Offsets of the gyroscopes of one recording, from the times in which all its sensors rest.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensors : names of those that move together with the device; all with a gyroscope if None
+
+    Returns
+    -------
+    dict from sensor to GyroscopeOffset; without the sensors that have no rest of a second
+
+    Raises
+    ------
+    InputError
+        If a sensor is missing or has no gyroscope.
+    """
+    if sensors is None:
+        names = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
+    else:
+        names = list(sensors)
+    rate = recording.sampling_rate_hz
+    rest = np.ones(len(recording), np.bool_)
+    for name in names:
+        rest &= rest_flags(recording.sensor(name).acc_mps2, recording.gyroscope(name), rate)
+    rest = long_runs(rest, max(1, round(SHORTEST_REST_S * rate)), grow=False)
+    found = {name: gyroscope_offset(recording.gyroscope(name), rest, rate) for name in names}
+    return {name: offset for name, offset in found.items() if offset is not None}
+
+
+def merge_offsets(
+    own: Mapping[str, GyroscopeOffset], others: Mapping[str, GyroscopeOffset]
+) -> dict[str, GyroscopeOffset]:
+    """Offsets of a recording's own rests together with those of other recordings of that day.
+
+    An offset changes between recordings by some 0.1 deg/s, which is added to the uncertainty of
+    the others. Where the two agree within three standard deviations they are averaged by their
+    weights; otherwise the recording's own rest counts alone.
+
+    Parameters
+    ----------
+    own : sensor to GyroscopeOffset, from the recording itself
+    others : the same from elsewhere
+
+    Returns
+    -------
+    dict from sensor to GyroscopeOffset
+    """
+    merged = {
+        name: GyroscopeOffset(
+            other.offset_radps,
+            np.hypot(other.sd_radps, DRIFT_SD_RADPS),
+            other.noise_radps,
+            other.rest_s,
+        )
+        for name, other in others.items()
+    }
+    for name, mine in own.items():
+        if name not in merged:
+            merged[name] = mine
+            continue
+        other = merged[name]
+        apart = np.abs(mine.offset_radps - other.offset_radps)
+        if (apart > 3 * np.hypot(mine.sd_radps, other.sd_radps)).any():
+            merged[name] = mine
+            continue
+        weight = other.sd_radps**2 / (mine.sd_radps**2 + other.sd_radps**2)
+        merged[name] = GyroscopeOffset(
+            weight * mine.offset_radps + (1 - weight) * other.offset_radps,
+            np.sqrt(weight) * mine.sd_radps,
+            mine.noise_radps,
+            mine.rest_s,
+        )
+    return merged
+
+
+def without_offsets(recording: Recording, offsets: Mapping[str, GyroscopeOffset]) -> Recording:
+    """Recording from whose gyroscopes the offsets are taken off.
+
+    Parameters
+    ----------
+    recording : Recording
+    offsets : sensor to GyroscopeOffset; sensors that the recording does not have are left out
+
+    Returns
+    -------
+    Recording; the same one if there is nothing to take off
+    """
+    sensors = dict(recording.sensors)
+    for name, offset in offsets.items():
+        if name in sensors and sensors[name].gyr_radps is not None and offset.offset_radps.any():
+            rates = recording.gyroscope(name) - offset.offset_radps
+            sensors[name] = Imu(sensors[name].acc_mps2, rates)
+    if all(imu is recording.sensors[name] for name, imu in sensors.items()):
+        return recording
+    return Recording(recording.time_s, sensors, source=recording.source)
+
+
+def offset_warnings(
+    recording: Recording, offsets: Mapping[str, GyroscopeOffset], sensors: Collection[str]
+) -> tuple[str, ...]:
+    """Sentences on offsets that are large, uncertain or unknown.
+
+    Parameters
+    ----------
+    recording : Recording that they belong to
+    offsets : sensor to GyroscopeOffset
+    sensors : those that are used
+
+    Returns
+    -------
+    tuple of str
+    """
+    unknown = [name for name in sensors if name not in offsets]
+    sentences = []
+    if unknown:
+        sentences.append(
+            f"{recording.source}: no second of rest, so that no gyroscope offset is known or taken "
+            f"off ({', '.join(unknown)}); let the device stand for some seconds at the beginning"
+        )
+    for name in sensors:
+        if name not in offsets:
+            continue
+        size, sd = offsets[name].offset_radps, offsets[name].sd_radps
+        if np.abs(size).max() > LARGE_OFFSET_RADPS or sd.max() > LARGE_OFFSET_RADPS:
+            shown = ", ".join(
+                f"{axis} {np.rad2deg(v):.2f} ± {np.rad2deg(s):.2f}"
+                for axis, v, s in zip("xyz", size, sd, strict=True)
+            )
+            sentences.append(
+                f"{recording.source}: the gyroscope of {name} has an offset ({shown} deg/s), "
+                "which is taken off"
+            )
+    return tuple(sentences)
