@@ -8,7 +8,7 @@ knowing the offset: a sensor rests while neither its rates nor its specific forc
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,13 +49,21 @@ BLOCK_S = 0.5
 SHORTEST_REST_S = 1.0
 LARGEST_OFFSET_RADPS = 0.15
 """Nothing that is sold has more (8.6 deg/s): it is a steady turn."""
-LARGE_OFFSET_RADPS = float(np.deg2rad(0.5))
-"""From this size on a warning states the offset: 15 deg in half a minute."""
+LARGE_OFFSET_RADPS = float(np.deg2rad(1.0))
+"""From this size on a warning states the offset: it makes 30 deg in half a minute."""
+LARGE_SD_RADPS = float(np.deg2rad(0.5))
+"""From this uncertainty on too."""
 UNKNOWN_OFFSET_SD_RADPS = float(np.deg2rad(0.5))
 """Offset of a usual sensor of which no rest is known (MTi-1: 0.5 deg/s, data sheet)."""
 DRIFT_SD_RADPS = float(np.deg2rad(0.1))
 """Change of an offset between two recordings of one day: warming up by some degrees, at 0.02 to
 0.05 (deg/s)/K of usual data sheets."""
+IN_RUN_SD_RADPS = float(np.deg2rad(0.01))
+"""Change of an offset within a recording (usual data sheets: 5 to 40 deg/h)."""
+FARTHEST_BLOCK = 3.0
+"""Blocks farther from the middle one than this times the median distance are taken for motions."""
+LARGEST_CHI_SQUARE = 16.3
+"""Of three numbers, passed by chance once in a thousand times."""
 LARGEST_T_VARIANCE = 3.0
 """Student's distribution of a mean of few blocks is wider than the normal one, at most by this."""
 
@@ -67,26 +75,54 @@ class GyroscopeOffset(Result):
     Parameters
     ----------
     offset_radps : (3,) array, rad/s, what the gyroscope reads at rest
-    sd_radps : (3,) array, rad/s, standard deviation of the offset
+    covariance : (3, 3) array, rad²/s², of the offset
     noise_radps : (3,) array, rad/s, standard deviation of one sample about it, by the differences
         of neighbours at rest; slow wobble is not in it
     rest_s : s of rest that it was found from
     """
 
     offset_radps: FloatArray
-    sd_radps: FloatArray
+    covariance: FloatArray
     noise_radps: FloatArray
     rest_s: float
 
     def __post_init__(self) -> None:
         """Check shapes and signs."""
-        for name in ("offset_radps", "sd_radps", "noise_radps"):
+        for name in ("offset_radps", "noise_radps"):
             vector = as_vectors(getattr(self, name), name, ndim=1, finite=True)
-            if name != "offset_radps" and (vector < 0).any():
-                raise InputError(f"{name}: expected numbers of 0 or more, got {vector}")
             object.__setattr__(self, name, vector)
+        if (self.noise_radps < 0).any():
+            raise InputError(f"noise_radps: expected 0 or more, got {self.noise_radps}")
+        covariance = as_vectors(self.covariance, "covariance", length=3, finite=True)
+        if (np.diag(covariance) < 0).any() or np.abs(covariance - covariance.T).max() > 1e-9:
+            raise InputError("covariance: expected a symmetric matrix without negative variances")
+        object.__setattr__(self, "covariance", covariance)
         object.__setattr__(self, "rest_s", as_number(self.rest_s, "rest_s", zero=True))
         super().__post_init__()
+
+    @property
+    def sd_radps(self) -> FloatArray:
+        """Standard deviations of the offset along the sensor's axes, (3,) array, rad/s."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def sd_along(self, axis: ArrayLike) -> float:
+        """Standard deviation in rad/s of the offset along one direction.
+
+        Parameters
+        ----------
+        axis : (3,) array, unit vector in the sensor's axes
+        """
+        unit = as_vectors(axis, "axis", ndim=1)
+        return float(np.sqrt(max(float(unit @ self.covariance @ unit), 0.0)))
+
+    def noise_along(self, axis: ArrayLike) -> float:
+        """Standard deviation in rad/s of one sample's noise along one direction.
+
+        Parameters
+        ----------
+        axis : (3,) array, unit vector in the sensor's axes
+        """
+        return float(np.linalg.norm(as_vectors(axis, "axis", ndim=1) * self.noise_radps))
 
 
 def rest_flags(
@@ -143,9 +179,10 @@ def gyroscope_offset(
 ) -> GyroscopeOffset | None:
     """Offset of one gyroscope from the samples in which it rests.
 
-    The median of the means of half seconds: a motion that passes for a rest does not move it while
-    most of the time is rest. The standard deviation comes from the scatter of these means, so that
-    a person's wobble is in it.
+    The mean of the means of half seconds, without those that lie far from most others: a motion
+    that passes for a rest does not count while most of the time is rest. The covariance comes from
+    the scatter of these means, so that a person's wobble is in it. All of it turns with the
+    sensor's axes.
 
     Parameters
     ----------
@@ -176,14 +213,21 @@ def gyroscope_offset(
     count = len(blocks)
     if count * block < round(SHORTEST_REST_S * rate) or count < 2:
         return None
+    apart = np.linalg.norm(blocks[:, None] - blocks, axis=2)
+    from_middle = apart[int(np.argmin(apart.sum(axis=1)))]
+    blocks = blocks[from_middle <= FARTHEST_BLOCK * np.median(from_middle)]
+    count = len(blocks)
     free = count - 1
     student = min(free / (free - 2), LARGEST_T_VARIANCE) if free > 2 else LARGEST_T_VARIANCE
+    scatter = np.cov(blocks.T) if free > 0 else np.zeros((3, 3))
     white = np.sqrt(np.mean(np.square(np.concatenate(noise)), axis=0) / 2)
-    # A median scatters by sqrt(pi / 2) more than a mean; coarse steps hide what lies below them.
-    scatter = np.sqrt(np.pi / 2 * student / count) * blocks.std(axis=0, ddof=1)
-    least = white / np.sqrt(count * block)
+    # Few blocks show no scatter in some directions: the noise of the samples is in all of them.
+    least = np.mean(white**2) / (count * block) + IN_RUN_SD_RADPS**2
     return GyroscopeOffset(
-        np.median(blocks, axis=0), np.maximum(scatter, least), white, count * block / rate
+        blocks.mean(axis=0),
+        student * scatter / count + least * np.eye(3),
+        white,
+        count * block / rate,
     )
 
 
@@ -225,8 +269,8 @@ def merge_offsets(
     """Offsets of a recording's own rests together with those of other recordings of that day.
 
     An offset changes between recordings by some 0.1 deg/s, which is added to the uncertainty of
-    the others. Where the two agree within three standard deviations they are averaged by their
-    weights; otherwise the recording's own rest counts alone.
+    the others. Where the two agree they are averaged by their weights; where they differ by more
+    than their uncertainties explain, the recording's own rest counts alone.
 
     Parameters
     ----------
@@ -238,30 +282,24 @@ def merge_offsets(
     dict from sensor to GyroscopeOffset
     """
     merged = {
-        name: GyroscopeOffset(
-            other.offset_radps,
-            np.hypot(other.sd_radps, DRIFT_SD_RADPS),
-            other.noise_radps,
-            other.rest_s,
-        )
+        name: replace(other, covariance=other.covariance + DRIFT_SD_RADPS**2 * np.eye(3))
         for name, other in others.items()
     }
     for name, mine in own.items():
-        if name not in merged:
-            merged[name] = mine
+        other = merged.get(name)
+        merged[name] = mine
+        if other is None:
             continue
-        other = merged[name]
-        apart = np.abs(mine.offset_radps - other.offset_radps)
-        if (apart > 3 * np.hypot(mine.sd_radps, other.sd_radps)).any():
-            merged[name] = mine
-            continue
-        weight = other.sd_radps**2 / (mine.sd_radps**2 + other.sd_radps**2)
-        merged[name] = GyroscopeOffset(
-            weight * mine.offset_radps + (1 - weight) * other.offset_radps,
-            np.sqrt(weight) * mine.sd_radps,
-            mine.noise_radps,
-            mine.rest_s,
-        )
+        apart = other.offset_radps - mine.offset_radps
+        together = np.linalg.inv(mine.covariance + other.covariance)
+        if apart @ together @ apart <= LARGEST_CHI_SQUARE:
+            gain = mine.covariance @ together
+            covariance = mine.covariance - gain @ mine.covariance
+            merged[name] = replace(
+                mine,
+                offset_radps=mine.offset_radps + gain @ apart,
+                covariance=(covariance + covariance.T) / 2,
+            )
     return merged
 
 
@@ -313,7 +351,7 @@ def offset_warnings(
         if name not in offsets:
             continue
         size, sd = offsets[name].offset_radps, offsets[name].sd_radps
-        if np.abs(size).max() > LARGE_OFFSET_RADPS or sd.max() > LARGE_OFFSET_RADPS:
+        if np.abs(size).max() > LARGE_OFFSET_RADPS or sd.max() > LARGE_SD_RADPS:
             shown = ", ".join(
                 f"{axis} {np.rad2deg(v):.2f} ± {np.rad2deg(s):.2f}"
                 for axis, v, s in zip("xyz", size, sd, strict=True)
