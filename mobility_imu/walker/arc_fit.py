@@ -5,14 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_flags,
+    as_number,
+    as_vectors,
+)
 from mobility_imu.results import Result
+from mobility_imu.runs import runs_of
 
-__all__ = ["ArcFit", "fit_arc"]
+__all__ = ["ArcFit", "arm_noise", "fit_arc"]
 
 LEAST_TURN_RAD = float(np.deg2rad(1))
 """With less of a turn the noise decides where the axis is."""
@@ -60,8 +67,25 @@ def fit_arc(position_m: ArrayLike, rotation_imu_to_world: ArrayLike) -> ArcFit:
         If there are too few samples, or the IMU turns by less than 1 deg.
     """
     position = as_vectors(position_m, "position_m", ndim=2, finite=True)
-    attitude = np.asarray(rotation_imu_to_world, float)
     count = len(position)
+    axis, basis, design = _linear_model(rotation_imu_to_world, count)
+    solution, *_ = np.linalg.lstsq(design, position.ravel(), rcond=None)
+    residual = (position.ravel() - design @ solution).reshape(-1, 3)
+    variance = float(np.sum(residual**2)) / (3 * count - 5) * _correlated_samples(residual)
+    spread = variance * np.linalg.inv(design.T @ design)[3:, 3:]
+    return ArcFit(
+        axis,
+        basis @ solution[3:],
+        basis @ spread @ basis.T,
+        float(np.sqrt(np.mean(np.sum(residual**2, axis=1)))),
+    )
+
+
+def _linear_model(
+    rotation_imu_to_world: ArrayLike, count: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Axis, (3, 2) basis at right angles to it, and (3 n, 5) design of the fit of an arc."""
+    attitude = np.asarray(rotation_imu_to_world, float)
     if attitude.shape != (count, 3, 3) or not np.isfinite(attitude).all():
         raise InputError(
             f"rotation_imu_to_world: expected ({count}, 3, 3) numbers, got {attitude.shape}"
@@ -81,16 +105,81 @@ def fit_arc(position_m: ArrayLike, rotation_imu_to_world: ArrayLike) -> ArcFit:
     design = np.zeros((3 * count, 5))
     design[:, :3] = np.tile(np.eye(3), (count, 1))
     design[:, 3:] = (attitude @ basis).reshape(-1, 2)
-    solution, *_ = np.linalg.lstsq(design, position.ravel(), rcond=None)
-    residual = (position.ravel() - design @ solution).reshape(-1, 3)
-    variance = float(np.sum(residual**2)) / (3 * count - 5) * _correlated_samples(residual)
-    spread = variance * np.linalg.inv(design.T @ design)[3:, 3:]
-    return ArcFit(
-        axis,
-        basis @ solution[3:],
-        basis @ spread @ basis.T,
-        float(np.sqrt(np.mean(np.sum(residual**2, axis=1)))),
+    return axis, basis, design
+
+
+def arm_noise(
+    rotation_imu_to_world: ArrayLike,
+    still: ArrayLike,
+    interval_s: float,
+    *,
+    acc_noise_mps2_sqrthz: float,
+    gyr_noise_radps_sqrthz: float,
+) -> FloatArray:
+    """Covariance of the arm of an arc by the sensor's white noise alone, (3, 3) in m².
+
+    Position errs by noise that is integrated twice, so slowly that the residuals of a fit hardly
+    show it. A movement begins and ends at rest: its velocity errs by a Brownian bridge. The height
+    is known at both ends of the arc. The gyroscope's noise turns gravity into the horizontal.
+
+    Parameters
+    ----------
+    rotation_imu_to_world : (n, 3, 3) array, as in :func:`fit_arc`
+    still : (n,) bool array, True where the velocity is known to be zero
+    interval_s : s, between samples
+    acc_noise_mps2_sqrthz, gyr_noise_radps_sqrthz : densities of the noise; 0 for none
+
+    Returns
+    -------
+    (3, 3) array, m², in the IMU's axes
+
+    Raises
+    ------
+    InputError
+        As :func:`fit_arc`; or if flags, interval or densities are impossible.
+    """
+    count = len(np.atleast_1d(rotation_imu_to_world))
+    at_rest = as_flags(still, "still", length=count)
+    interval = as_number(interval_s, "interval_s")
+    acc = as_number(acc_noise_mps2_sqrthz, "acc_noise_mps2_sqrthz", zero=True)
+    gyr = as_number(gyr_noise_radps_sqrthz, "gyr_noise_radps_sqrthz", zero=True)
+    _, basis, design = _linear_model(rotation_imu_to_world, count)
+    # How the arm follows the position: (component of the arm, axis of the world, sample).
+    follows = basis @ np.linalg.solve(design.T @ design, design.T)[3:]
+    by_acc = _by_acceleration(np.moveaxis(follows.reshape(3, count, 3), 1, 2), ~at_rest, interval)
+    end = np.zeros(count)
+    end[-1] = 1.0
+    of_end = _by_acceleration(end, ~at_rest, interval)
+    if of_end.any():
+        by_acc[:, 2] -= np.outer(by_acc[:, 2] @ of_end, of_end) / (of_end @ of_end)
+    by_gyr = STANDARD_GRAVITY_MPS2 * interval * _sum_of_later(by_acc[:, :2])
+    return np.asarray(
+        (
+            acc**2 * np.einsum("iak,jak->ij", by_acc, by_acc)
+            + gyr**2 * np.einsum("iak,jak->ij", by_gyr, by_gyr)
+        )
+        / interval
     )
+
+
+def _by_acceleration(
+    by_position: FloatArray, moving: NDArray[np.bool_], interval_s: float
+) -> FloatArray:
+    """What follows the position at each sample (last axis), by the error of each acceleration."""
+    by_velocity = interval_s * _sum_of_later(by_position)
+    result = np.zeros_like(by_velocity)
+    for run in runs_of(moving):
+        part = by_velocity[..., run]
+        passed = np.arange(1, part.shape[-1] + 1) / part.shape[-1]
+        result[..., run] = interval_s * (
+            _sum_of_later(part) - np.sum(part * passed, axis=-1, keepdims=True)
+        )
+    return result
+
+
+def _sum_of_later(values: FloatArray) -> FloatArray:
+    """Sum of each value and all after it, along the last axis."""
+    return np.cumsum(values[..., ::-1], axis=-1)[..., ::-1]
 
 
 def _correlated_samples(residual: FloatArray) -> float:

@@ -7,7 +7,7 @@ plane says how the IMU is turned, its radius how far from that edge it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -19,7 +19,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.results import Result
-from mobility_imu.walker.arc_fit import ArcFit, fit_arc
+from mobility_imu.walker.arc_fit import ArcFit, arm_noise, fit_arc
 from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import (
     TILT_DIRECTIONS,
@@ -133,9 +133,11 @@ def calibrate_mount(
     Returns
     -------
     WalkerCalibration
-        The standard deviations of "all-samples" are the scatter of the arcs with the effect of
-        SCALE_SD and MISALIGNMENT_SD_RAD, but not of edges that slip. For a simulated MTI-1 they are
-        1.15 to 1.45 times the errors, since a part of these effects is in the scatter as well.
+        The standard deviations of "all-samples" hold the sensor's noise, a bias of its
+        accelerometer, and errors of its scale and axes of SCALE_SD and MISALIGNMENT_SD_RAD; or the
+        scatter of the arcs and the filter's attitude where that is more. Edges that slip are in
+        them as far as the arcs scatter. With 120 units of a simulated MTI-1 the errors are 0.9,
+        1.0, 0.9 of them in position, and 0.9, 1.1, 0.9 in rotation (rms).
 
     Raises
     ------
@@ -148,11 +150,12 @@ def calibrate_mount(
     one_of("method", method, _METHODS)
     one_of("form", form, ("corrected", "printed"))
 
-    def calibrate(readings: Recording) -> WalkerCalibration:
-        path, warnings = navigate_recording(
-            readings, smooth=smooth, settings=settings, stillness=stillness
-        )
-        return calibrate_from_path(
+    def path_of(readings: Recording) -> tuple[Navigation, tuple[str, ...]]:
+        return navigate_recording(readings, smooth=smooth, settings=settings, stillness=stillness)
+
+    try:
+        path, warnings = path_of(recording)
+        found = calibrate_from_path(
             path,
             geometry,
             method=method,
@@ -163,12 +166,9 @@ def calibrate_mount(
             stillness=stillness,
             warnings=warnings,
         )
-
-    try:
-        found = calibrate(recording)
         if method != "all-samples":
             return found
-        return _with_sensor_errors(found, recording, calibrate)
+        return _with_sensor_errors(found, path, recording, lambda wrong: path_of(wrong)[0])
     except InputError as error:
         if str(error).startswith(recording.source):
             raise
@@ -177,32 +177,51 @@ def calibrate_mount(
 
 def _with_sensor_errors(
     found: WalkerCalibration,
+    path: Navigation,
     recording: Recording,
-    calibrate: Callable[[Recording], WalkerCalibration],
+    path_of: Callable[[Recording], Navigation],
 ) -> WalkerCalibration:
-    """Add what errors of the sensor's scale and axes do, by calibrating with each of them.
+    """State what errors of the sensor's scale, axes and bias do, by calibrating with each of them.
 
-    No tilt shows them: a forward axis of the accelerometer that reads 0.3 % too much moves the
-    height by 4 mm in the front and back tilts alike.
+    The arcs do not show most of it: a forward axis of the accelerometer that reads 0.3 % too much
+    moves the height by 4 mm in the front and back tilts alike. What they do show is in their
+    scatter, and the filter's noise factors stand in for the same errors: their sum would count
+    them twice, the larger of both is stated.
     """
-    acc, gyr = recording.sensor("frame").acc_mps2, recording.gyroscope("frame")
-    place_var, turn_var = found.translation_sd_m**2, found.rotation_sd_rad**2
-    for sensor in ("acc", "gyr"):
-        for row in range(3):
-            for column in range(3):
-                size = SCALE_SD if row == column else MISALIGNMENT_SD_RAD
-                mixing = np.eye(3)
-                mixing[row, column] += size
-                wrong = Imu(acc @ mixing.T, gyr) if sensor == "acc" else Imu(acc, gyr @ mixing.T)
-                other = calibrate(Recording(recording.time_s, {"frame": wrong})).mount
-                place_var = (
-                    place_var + (other.translation_body_m - found.mount.translation_body_m) ** 2
-                )
-                turn = other.rotation_imu_to_body @ found.mount.rotation_imu_to_body.T
-                turn_var = turn_var + Rotation.from_matrix(turn).as_rotvec() ** 2
-    place_sd, turn_sd = np.sqrt(place_var), np.sqrt(turn_var)
+    tilts = found.tilts
+    edges = [found.geometry.edge(tilt.direction) for tilt in tilts]
+    fits, turn = _fit_arcs(path, [tilt.span for tilt in tilts], edges)
+    # The weights of the arcs stay: they follow the residuals, and would amplify each error.
+    trust = [fit.covariance_m2 for fit in fits]
+    noise = _noise_of_arcs(path, tilts, found.settings)
+    place, _, noise_sd = _position_from_arcs(fits, tilts, edges, turn, trust, noise)
+    place_var, turn_var = noise_sd**2, np.zeros(3)
+    for wrong in _wrong_readings(recording, found.settings.acc_bias_sd_mps2):
+        other = path_of(wrong)
+        later = len(other.time_s) - len(path.time_s)
+        spans = [slice(t.span.start + later, t.span.stop + later) for t in tilts]
+        other_fits, other_turn = _fit_arcs(other, spans, edges)
+        there, _, _ = _position_from_arcs(other_fits, tilts, edges, other_turn, trust, noise)
+        place_var = place_var + (there - place) ** 2
+        turn_var = turn_var + Rotation.from_matrix(other_turn @ turn.T).as_rotvec() ** 2
+    place_sd = np.maximum(found.translation_sd_m, np.sqrt(place_var))
+    turn_sd = np.maximum(found.rotation_sd_rad, np.sqrt(turn_var))
     mount = replace(found.mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
     return replace(found, mount=mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
+
+
+def _wrong_readings(recording: Recording, acc_bias_mps2: float) -> Iterator[Recording]:
+    """Recordings with one error each: of a scale factor, an axis, or the accelerometer's bias."""
+    acc, gyr = recording.sensor("frame").acc_mps2, recording.gyroscope("frame")
+    for row in range(3):
+        offset = np.zeros(3)
+        offset[row] = acc_bias_mps2
+        yield Recording(recording.time_s, {"frame": Imu(acc + offset, gyr)})
+        for column in range(3):
+            mixing = np.eye(3)
+            mixing[row, column] += SCALE_SD if row == column else MISALIGNMENT_SD_RAD
+            yield Recording(recording.time_s, {"frame": Imu(acc @ mixing.T, gyr)})
+            yield Recording(recording.time_s, {"frame": Imu(acc, gyr @ mixing.T)})
 
 
 def calibrate_from_path(
@@ -229,10 +248,10 @@ def calibrate_from_path(
     Returns
     -------
     WalkerCalibration
-        Its standard deviations know the scatter of the arcs and the filter's attitude only, not the
-        sensor's errors of scale and axes, nor errors that change more slowly than a tilt: those of
-        the position are too small, for a simulated MTI-1 by 1.2 to 1.5 in x and y and by 4.7 in
-        height. Those of :func:`calibrate_mount` are not.
+        Its standard deviations hold the scatter of the arcs, the sensor's white noise and the
+        filter's attitude, but not the sensor's errors of scale and axes, which take the readings:
+        with a simulated MTI-1 the errors are 1.8, 1.4 and 4.5 times as large in position, and 2.3,
+        2.5 and 4.6 times in rotation. Those of :func:`calibrate_mount` hold them.
     """
     one_of("method", method, _METHODS)
     one_of("form", form, ("corrected", "printed"))
@@ -241,7 +260,11 @@ def calibrate_from_path(
         raise InputError(f"geometry = {geometry!r:.60}: expected a WalkerGeometry")
     tilts, of_tilts = find_tilts(path, order)
     with_ = _Choice(
-        geometry, method, form, settings or NavigationSettings(), stillness or StillnessSettings()
+        geometry,
+        method,
+        form,
+        settings or path.settings or NavigationSettings(),
+        stillness or StillnessSettings(),
     )
     notes = [*warnings, *of_tilts]
     if method == "all-samples":
@@ -359,14 +382,22 @@ def _from_arcs(
             "one to the front or back, and one to the right or left"
             + (f" ({'; '.join(notes)})" if notes else "")
         )
-    attitude = path.rotation_imu_to_world()
-    fits = [fit_arc(path.position_m[tilt.span], attitude[tilt.span]) for tilt in tilts]
     edges = [geometry.edge(tilt.direction) for tilt in tilts]
-    standing = np.concatenate([[tilt.span.start, tilt.span.stop - 1] for tilt in tilts])
-    imu_to_body = _rotation_from_arcs(attitude[standing, 2].mean(axis=0), fits, edges)
-    place, place_sd = _position_from_arcs(fits, tilts, edges, imu_to_body)
-    # The filter's errors of attitude are half angles.
-    level = 2 * float(np.mean(path.sd[standing, :3]))
+    fits, imu_to_body = _fit_arcs(path, [tilt.span for tilt in tilts], edges)
+    place, by_scatter, by_noise = _position_from_arcs(
+        fits,
+        tilts,
+        edges,
+        imu_to_body,
+        [fit.covariance_m2 for fit in fits],
+        _noise_of_arcs(path, tilts, with_.settings),
+    )
+    place_sd = np.maximum(by_scatter, by_noise)
+    # The filter's errors of attitude are half angles about the IMU's axes. Where the heading is
+    # known, as at the start, they are errors of the tilt, which has two directions.
+    standing = [k for tilt in tilts for k in (tilt.span.start, tilt.span.stop - 1)]
+    attitude_var = np.sum(path.sd[[0, *standing], :3] ** 2, axis=1)
+    level = 2 * float(np.sqrt(attitude_var.min() / 2))
     footprint = _footprint(fits, tilts, imu_to_body)
     notes += _footprint_warnings(footprint, geometry)
     return WalkerCalibration(
@@ -378,6 +409,16 @@ def _from_arcs(
         tuple(notes),
         **with_._asdict(),
     )
+
+
+def _fit_arcs(
+    path: Navigation, spans: Sequence[slice], edges: Sequence[Edge]
+) -> tuple[list[ArcFit], FloatArray]:
+    """Arcs of the tilts, and the rotation IMU to body that they have with the rests."""
+    attitude = path.rotation_imu_to_world()
+    fits = [fit_arc(path.position_m[span], attitude[span]) for span in spans]
+    standing = np.concatenate([[span.start, span.stop - 1] for span in spans])
+    return fits, _rotation_from_arcs(attitude[standing, 2].mean(axis=0), fits, edges)
 
 
 def _rotation_from_arcs(
@@ -392,30 +433,68 @@ def _rotation_from_arcs(
     return np.asarray(turn.as_matrix())
 
 
+def _noise_of_arcs(
+    path: Navigation, tilts: Sequence[Tilt], settings: NavigationSettings
+) -> list[FloatArray]:
+    """Covariance of each arc's arm by the sensor's noise, (3, 3) in m², in the IMU's axes."""
+    attitude = path.rotation_imu_to_world()
+    interval_s = float(np.median(np.diff(path.time_s)))
+    return [
+        arm_noise(
+            attitude[tilt.span],
+            path.still[tilt.span],
+            interval_s,
+            acc_noise_mps2_sqrthz=settings.acc_noise_mps2_sqrthz,
+            gyr_noise_radps_sqrthz=settings.gyr_noise_radps_sqrthz,
+        )
+        for tilt in tilts
+    ]
+
+
 def _position_from_arcs(
-    fits: Sequence[ArcFit], tilts: Sequence[Tilt], edges: Sequence[Edge], imu_to_body: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Position of the IMU in the body frame and its standard deviation, (3,) and (3,) in m.
+    fits: Sequence[ArcFit],
+    tilts: Sequence[Tilt],
+    edges: Sequence[Edge],
+    imu_to_body: FloatArray,
+    trust: Sequence[FloatArray],
+    noise: Sequence[FloatArray],
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Position of the IMU in the body frame; its standard deviations by scatter and by noise.
 
     Each arc observes two components: the one across its edge, and the height. Opposite edges
     count alike, so that what both have in common (tape, ferrules) cancels.
+
+    Parameters
+    ----------
+    fits, tilts, edges : of each arc
+    imu_to_body : (3, 3) array
+    trust, noise : (3, 3) arrays, m², covariance of each arm by which the arcs are weighted, and
+        that of the sensor's noise; in the IMU's axes
     """
     values: list[list[float]] = [[], [], []]
     weights: list[list[float]] = [[], [], []]
+    by_noise: list[list[float]] = [[], [], []]
     names = [tilt.direction for tilt in tilts]
-    variance = float(np.mean([np.trace(fit.covariance_m2) / 2 for fit in fits]))
-    for fit, edge, name in zip(fits, edges, names, strict=True):
+    variance = float(np.mean([np.trace(covariance) / 2 for covariance in trust]))
+    for fit, edge, name, covariance, of_noise in zip(fits, edges, names, trust, noise, strict=True):
         arm = imu_to_body @ fit.arm_imu_m
-        spread = imu_to_body @ fit.covariance_m2 @ imu_to_body.T
+        spread = imu_to_body @ covariance @ imu_to_body.T
+        slow = imu_to_body @ of_noise @ imu_to_body.T
         across = _ACROSS[name]
         values[across].append(float(arm[across] + edge.point_m[across]))
         weights[across].append(1 / max(variance * names.count(name), 1e-12))
+        by_noise[across].append(float(slow[across, across]))
         values[2].append(float(arm[2]))
         weights[2].append(1 / max(spread[2, 2], 1e-12))
+        by_noise[2].append(float(slow[2, 2]))
     place = np.array([np.average(v, weights=w) for v, w in zip(values, weights, strict=True)])
     sd = np.array([1 / np.sqrt(np.sum(w)) for w in weights])
     sd[2] *= _birge_factor(values[2], weights[2])
-    return place, sd
+    noise_sd = [
+        np.sqrt(np.square(w) @ np.asarray(v)) / np.sum(w)
+        for v, w in zip(by_noise, weights, strict=True)
+    ]
+    return place, sd, np.array(noise_sd)
 
 
 def _birge_factor(values: Sequence[float], weights: Sequence[float]) -> float:

@@ -1,8 +1,10 @@
 """Is the geometry right? The frame's gyroscope knows the turns; the wheels must agree.
 
-With the no-slip speeds of the wheel centres, r_R Om_R - r_L Om_L = d_c * yaw + c * V. A
-least-squares fit gives the distance d_c that the data have, and with c the mismatch of the radii;
-the rate across the axle gives the camber, whatever the distances are.
+With the no-slip speeds of the wheel centres, r_R Om_R - r_L Om_L = d_c * yaw + c * V + o. A
+least-squares fit gives the distance d_c that the data have, with c the mismatch of the radii, and
+with o what constant offsets of the three gyroscopes leave; the rate across the axle gives the
+camber, whatever the distances are. A gyroscope that reads 0.3 % too much cannot be told from a
+radius or a distance that is 0.3 % off: the standard deviations hold that.
 """
 
 from __future__ import annotations
@@ -28,7 +30,15 @@ SHORTEST_TURNING_S = 2.0
 TRACK_TOLERANCE_M = 0.01
 CAMBER_TOLERANCE_RAD = float(np.deg2rad(2.0))
 RADIUS_TOLERANCE = 0.005
-# Below this, yaw rate and speed tell no track from a mismatch of the radii.
+LARGEST_MISMATCH = 0.2
+"""No two wheels of a pair differ by more in radius."""
+# Assumed errors of a gyroscope's scale factors and axes; a drive cannot show them. The data sheets
+# of the usual sensors do not state them; the simulated MTI-1 is drawn with these.
+GYROSCOPE_SCALE_SD = 0.003
+GYROSCOPE_MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))
+BLOCK_S = 1.0
+"""Residuals last about a push: those of one block are taken together."""
+# Below this, track, mismatch of the radii and offset cannot be told apart.
 SMALLEST_INDEPENDENT_PART = 1e-6
 
 
@@ -64,7 +74,10 @@ def check_geometry(
 ) -> GeometryCheck:
     """Compare the wheels with the frame over a drive with turns.
 
-    The absolute size of the radii cannot be checked this way: only a known distance shows it.
+    The absolute size of the radii cannot be checked this way: only a known distance shows it. The
+    standard deviations hold the scatter of the residuals, and gyroscopes whose scale factors are
+    known to GYROSCOPE_SCALE_SD. With that, radii that differ by less than 1.3 % from what is given
+    are not reported.
 
     Parameters
     ----------
@@ -81,7 +94,7 @@ def check_geometry(
     ------
     InputError
         If a sensor is missing in the recording or in the mount, the chair turns for less than two
-        seconds in all, or its speed goes with its yaw rate throughout.
+        seconds in all, or its speed is constant or goes with its yaw rate throughout.
     """
     expect("recording", recording, Recording)
     expect("geometry", geometry, WheelchairGeometry)
@@ -99,15 +112,9 @@ def check_geometry(
         radius * rate[:, 2] for radius, rate in zip(geometry.wheel_radius_m, wheels, strict=True)
     )
     speed, apart = (left + right) / 2, right - left
-    moving = turning | (np.abs(speed) > 0.2)
-    design = np.column_stack([yaw, speed])[moving]
-    sizes = np.linalg.svd(design, compute_uv=False)
-    if sizes[1] <= SMALLEST_INDEPENDENT_PART * sizes[0]:
-        raise InputError(
-            f"{recording.source}: the wheels' speed is proportional to the yaw rate throughout, "
-            "expected turns and straight lines; do both wheel sensors work?"
-        )
-    (distance, mismatch), distance_sd, mismatch_sd = _fit(design, apart[moving], fs)
+    distance, distance_sd, mismatch, mismatch_sd = _distances(
+        recording, mount, yaw, speed, apart, turning
+    )
     gains = [
         float((apart - mismatch * speed)[way] @ yaw[way] / (yaw[way] @ yaw[way]))
         / geometry.wheel_centre_distance_m
@@ -115,24 +122,54 @@ def check_geometry(
         else float("nan")
         for way in (turning & (yaw > 0), turning & (yaw < 0))
     ]
-    camber, camber_sd = _camber(wheels[0], wheels[1], yaw, turning)
+    yaw_gain_sd = _gain_sd(mount.rotation_frame_imu_to_chair[2])
+    camber, camber_sd = _camber(wheels[0], wheels[1], yaw, turning, yaw_gain_sd)
     lean = geometry.track_m - geometry.wheel_centre_distance_m
     return GeometryCheck(
         yaw_gain_left=gains[0],
         yaw_gain_right=gains[1],
-        track_m=float(distance + lean),
+        track_m=distance + lean,
         track_sd_m=distance_sd,
         # A radius mismatch e adds e times the speed; the ratio that fits is 1 - e (first order).
-        radius_ratio=float(1 - mismatch),
+        radius_ratio=1 - mismatch,
         radius_ratio_sd=mismatch_sd,
         camber_rad=camber,
         camber_sd_rad=camber_sd,
         geometry=geometry,
         warnings=(
-            *_on_distances(geometry, float(distance), distance_sd, float(mismatch), mismatch_sd),
+            *_on_distances(geometry, distance, distance_sd, mismatch, mismatch_sd),
             *_on_camber(geometry, camber, camber_sd),
         ),
     )
+
+
+def _distances(
+    recording: Recording,
+    mount: WheelchairMount,
+    yaw: FloatArray,
+    speed: FloatArray,
+    apart: FloatArray,
+    turning: NDArray[np.bool_],
+) -> tuple[float, float, float, float]:
+    """Distance of the wheel centres and mismatch of the radii, each with its standard deviation."""
+    moving = turning | (np.abs(speed) > 0.2)
+    design = np.column_stack([yaw, speed, np.ones(len(yaw))])[moving]
+    sizes = np.linalg.svd(design, compute_uv=False)
+    if sizes[2] <= SMALLEST_INDEPENDENT_PART * sizes[0]:
+        raise InputError(
+            f"{recording.source}: the wheels' speed is constant or proportional to the yaw rate "
+            "throughout, expected turns and straight lines; do both wheel sensors work?"
+        )
+    block = np.arange(len(yaw))[moving] // max(round(BLOCK_S * recording.sampling_rate_hz), 1)
+    (distance, mismatch, _), covariance = _fit(design, apart[moving], block)
+    left, right = (_gain_sd(mount.rotation_imu_to_wheel(side)[2]) for side in SIDES)
+    # Gains g of the wheels change the difference of their speeds by (g_R - g_L) V, and by
+    # (g_R + g_L) / 2 of what the turn makes of it.
+    by_wheels = np.hypot(left, right)
+    by_turn = np.hypot(by_wheels / 2, _gain_sd(mount.rotation_frame_imu_to_chair[2]))
+    distance_sd = np.hypot(np.sqrt(covariance[0, 0]), distance * by_turn)
+    mismatch_sd = np.hypot(np.sqrt(covariance[1, 1]), by_wheels)
+    return float(distance), float(distance_sd), float(mismatch), float(mismatch_sd)
 
 
 def _on_distances(
@@ -143,7 +180,7 @@ def _on_distances(
     mismatch_sd: float,
 ) -> list[str]:
     """Sentences on track and radii that do not fit, or on swapped sensors."""
-    if distance < 0:
+    if distance < -max(TRACK_TOLERANCE_M, 3 * distance_sd):
         gain = distance / geometry.wheel_centre_distance_m
         return [
             f"the wheels turn against the frame (gain {gain:.2f}): left and right wheel sensor are "
@@ -160,10 +197,16 @@ def _on_distances(
             f"({off:+.3f} m); or both radii should be {resized:+.1%} of what is given, or the "
             "camber is off"
         )
-    if abs(mismatch) > max(RADIUS_TOLERANCE, 3 * mismatch_sd):
+    if abs(mismatch) > max(LARGEST_MISMATCH, 3 * mismatch_sd):
+        sentences.append(
+            f"driving straight, the wheels' speeds differ by {abs(mismatch):.0%}, more than radii "
+            "can explain: has a wheel's sensor failed, or did a wheel slip throughout?"
+        )
+    elif abs(mismatch) > max(RADIUS_TOLERANCE, 3 * mismatch_sd):
         sentences.append(
             "driving straight, the wheels differ: the right radius over the left one should be "
-            f"{1 - mismatch:.4f} times what is given"
+            f"{1 - mismatch:.4f} times what is given; or the scale factors of the wheels' "
+            "gyroscopes differ by as much"
         )
     return sentences
 
@@ -179,17 +222,41 @@ def _on_camber(geometry: WheelchairGeometry, camber: float, camber_sd: float) ->
     ]
 
 
-def _fit(design: FloatArray, target: FloatArray, fs: float) -> tuple[FloatArray, float, float]:
-    """Least squares; residuals last about a push, so a second counts as one observation."""
+def _fit(
+    design: FloatArray, target: FloatArray, block: NDArray[np.int64]
+) -> tuple[FloatArray, FloatArray]:
+    """Least squares and its covariance, from the scatter of whole blocks of residuals.
+
+    Residuals of one block may depend on each other in any way (cluster-robust covariance).
+    """
     found = np.asarray(np.linalg.lstsq(design, target, rcond=None)[0], float)
-    residual = target - design @ found
-    independent = max(len(target) / fs, 3.0)
-    covariance = np.linalg.inv(design.T @ design) * residual.var() * len(target) / independent
-    return found, float(np.sqrt(covariance[0, 0])), float(np.sqrt(covariance[1, 1]))
+    scores = design * (target - design @ found)[:, None]
+    starts = np.nonzero(np.diff(block, prepend=block[0] - 1))[0]
+    sums = np.add.reduceat(scores, starts, axis=0)
+    bread = np.linalg.inv(design.T @ design)
+    unexplained = max(len(starts) - design.shape[1], 1)
+    return found, bread @ (sums.T @ sums) @ bread * len(starts) / unexplained
+
+
+def _gain_sd(axis_imu: FloatArray) -> float:
+    """Relative uncertainty of the rate about an axis, from those of the sensor's scale and axes."""
+    share = np.outer(axis_imu, axis_imu) ** 2
+    on_axes = float(np.trace(share))
+    across = float(share.sum()) - on_axes
+    return float(
+        np.hypot(
+            GYROSCOPE_SCALE_SD * np.sqrt(on_axes),
+            GYROSCOPE_MISALIGNMENT_SD_RAD * np.sqrt(max(across, 0.0)),
+        )
+    )
 
 
 def _camber(
-    left: FloatArray, right: FloatArray, yaw: FloatArray, turning: NDArray[np.bool_]
+    left: FloatArray,
+    right: FloatArray,
+    yaw: FloatArray,
+    turning: NDArray[np.bool_],
+    yaw_gain_sd: float,
 ) -> tuple[float, float]:
     """Camber from cos(camber) = rate across the axle / yaw rate, both wheels.
 
@@ -203,7 +270,8 @@ def _camber(
         )
         for w in (left, right)
     ]
-    spread = abs(cosines[0] - cosines[1]) / 2 + 0.003  # 0.3 % scale of a gyroscope
+    # The wheels differ by what their gyroscopes read; the frame's errs for both alike.
+    spread = float(np.hypot((cosines[0] - cosines[1]) / 2, yaw_gain_sd))
     cosine = min(float(np.mean(cosines)), 1.0)
     camber = float(np.arccos(cosine))
     return camber, float(spread / max(np.sin(camber), np.sqrt(2 * spread)))

@@ -95,9 +95,9 @@ class TestGeometryCheck:
         assert "both radii should be -2.9%" in message  # 1 / 1.03
 
     def test_one_radius_wrong(self, court):
-        wrong = changed(wheel_radius_right_m=0.3195 * 0.99)
+        wrong = changed(wheel_radius_right_m=0.3195 * 0.98)
         found = check_geometry(court[0].recording, wrong, court[1].mount)
-        assert found.radius_ratio == pytest.approx(1 / 0.99, abs=0.002)
+        assert found.radius_ratio == pytest.approx(1 / 0.98, abs=0.002)
         assert any("right radius over the left" in message for message in found.warnings)
 
     def test_wrong_camber_shows_across_the_axles(self, court):

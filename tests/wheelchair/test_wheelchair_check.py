@@ -1,0 +1,124 @@
+"""The chair's check: stated standard deviations against the errors that they are of.
+
+Errors over their standard deviations have an rms of 1. The seeds were fixed before the first run.
+The bounds hold what chance allows and fail a standard deviation that is wrong by a factor of two.
+"""
+
+import numpy as np
+import pytest
+from chairs import BOTH_WAYS, CHAIRS, calibrated, trials
+from scipy import stats
+
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.simulation.sensor import MTI_1
+from mobility_imu.simulation.wheelchair import random_court
+from mobility_imu.wheelchair import calibrate_mount, check_geometry
+from mobility_imu.wheelchair.check import _fit, _gain_sd
+
+
+def rms(ratios):
+    return np.sqrt(np.mean(np.square(ratios), axis=0))
+
+
+def chance(count, probability=0.999):
+    """Interval that holds the rms of so many standard normal numbers with this probability."""
+    tail = (1 - probability) / 2
+    return np.sqrt(stats.chi2.ppf([tail, 1 - tail], count) / count)
+
+
+def test_errors_of_the_check_over_their_standard_deviations():
+    """60 chairs, courts and sets of sensors, without slip; 99.9 % of 60 numbers: 0.72 to 1.31."""
+    ratios, warnings = [], []
+    for seed in range(7000, 7060):
+        court = random_court(seed, slips=0)
+        static, straight = court.calibration_trials(MTI_1)
+        mount = calibrate_mount(static.recording, straight.recording).mount
+        found = check_geometry(court.drive(MTI_1).recording, court.geometry, mount)
+        ratios.append(
+            [
+                (found.track_m - court.geometry.track_m) / found.track_sd_m,
+                (found.radius_ratio - 1) / found.radius_ratio_sd,
+                (found.camber_rad - court.geometry.camber_rad) / found.camber_sd_rad,
+            ]
+        )
+        warnings += found.warnings
+    low, high = chance(60)
+    assert (rms(ratios) > low).all() and (rms(ratios) < high).all(), rms(ratios)
+    # Beyond three standard deviations lies 1 in 370.
+    assert len(warnings) <= 2, warnings
+
+
+@pytest.mark.parametrize("sensor", ["frame", "left_wheel", "right_wheel"])
+def test_a_constant_offset_of_a_gyroscope_moves_neither_track_nor_radii(sensor):
+    """An offset of 1 deg/s on every axis of one sensor; 0.1 mm and 1e-4 are a tenth of a sd."""
+    chair = CHAIRS[2]
+    runs = trials(chair, 71)
+    mount, drive = calibrated(*runs).mount, runs[2].recording
+    imu = drive.sensors[sensor]
+    offset = Imu(imu.acc_mps2, drive.gyroscope(sensor) + np.deg2rad(1.0))
+    shifted = Recording(drive.time_s, {**drive.sensors, sensor: offset})
+    before, after = (check_geometry(each, chair, mount) for each in (drive, shifted))
+    assert abs(after.radius_ratio - before.radius_ratio) < 1e-4
+    assert abs(after.track_m - before.track_m) < 1e-4
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9])
+def test_the_fit_over_its_standard_deviation_with_residuals_that_last(memory):
+    """300 fits of 40 s whose noise is white, or remembers 10 samples of the 100 in a block."""
+    rng = np.random.default_rng(72)
+    time_s = np.arange(4000) / 100
+    design = np.column_stack(
+        [np.sin(0.7 * time_s), 1 + 0.3 * np.sin(0.31 * time_s), np.ones_like(time_s)]
+    )
+    true = np.array([0.8, 0.01, 0.002])
+    ratios = []
+    for _ in range(300):
+        noise = rng.standard_normal(4100)
+        for k in range(1, len(noise)):
+            noise[k] += memory * noise[k - 1]
+        found, covariance = _fit(design, design @ true + 0.01 * noise[100:], np.arange(4000) // 100)
+        ratios.append((found - true) / np.sqrt(np.diag(covariance)))
+    low, high = chance(300)
+    # From 40 blocks the sd itself is known to a tenth.
+    assert (rms(ratios) > low / 1.1).all() and (rms(ratios) < 1.1 * high).all(), rms(ratios)
+
+
+def test_the_gain_about_an_axis_follows_the_errors_of_scale_and_axes():
+    """2000 sensors with errors of 0.3 % and 0.1 deg; 99.9 % of 2000 numbers."""
+    rng = np.random.default_rng(73)
+    low, high = chance(2000)
+    for axis in ([0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [1 / np.sqrt(3)] * 3):
+        mixing = np.deg2rad(0.1) * rng.standard_normal((2000, 3, 3))
+        mixing[:, range(3), range(3)] = 0.003 * rng.standard_normal((2000, 3))
+        gain = np.einsum("i,nij,j->n", axis, mixing, axis)
+        assert low < rms(gain) / _gain_sd(np.array(axis)) < high
+
+
+def test_one_radius_off_within_and_beyond_what_scale_factors_leave_open():
+    """1 % may come from the gyroscopes' scale factors; 2 % lies beyond three of their sds."""
+    static, straight, drive = trials(CHAIRS[1], 74, BOTH_WAYS)
+    mount = calibrated(static, straight).mount
+    chair = CHAIRS[1]
+    for off, reported in ((0.99, False), (0.98, True)):
+        wrong = type(chair)(
+            camber_rad=chair.camber_rad,
+            wheel_radius_left_m=chair.wheel_radius_left_m,
+            wheel_radius_right_m=chair.wheel_radius_right_m * off,
+            track_m=chair.track_m,
+        )
+        found = check_geometry(drive.recording, wrong, mount)
+        assert found.radius_ratio == pytest.approx(1 / off, abs=0.002)
+        assert any("right radius over the left" in text for text in found.warnings) == reported
+        assert all("scale factors" in t for t in found.warnings if "radius over" in t)
+
+
+def test_a_wheel_that_seems_to_stand_is_no_question_of_radii():
+    """A left wheel's gyroscope that reads nothing during the drive."""
+    static, straight, drive = trials(CHAIRS[1], 75, BOTH_WAYS)
+    mount = calibrated(static, straight).mount
+    left = drive.recording.sensors["left_wheel"]
+    dead = np.zeros_like(left.acc_mps2)
+    sensors = {**drive.recording.sensors, "left_wheel": Imu(left.acc_mps2, dead)}
+    found = check_geometry(Recording(drive.recording.time_s, sensors), CHAIRS[1], mount)
+    assert not any("radius over" in text for text in found.warnings)
+    assert any("sensor failed" in text for text in found.warnings), found
