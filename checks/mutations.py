@@ -275,8 +275,7 @@ def survivors(mutations: list[Mutation], workers: int) -> Iterator[Mutation]:
         def limit_of(path: str) -> float:
             room = rooms.get()
             try:
-                for _ in range(2):  # the second time with what numba keeps
-                    passes, seconds = run(room, tests_of(Path(path)), 900)
+                passes, seconds = run(room, tests_of(Path(path)), 900)
             finally:
                 rooms.put(room)
             if not passes:

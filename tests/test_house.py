@@ -22,10 +22,10 @@ DEVICES = ("scooter", "wheelchair", "walker")
 # From the right of the architecture's chain to its left; a module may import what stands before it.
 LAYERS = (
     {"errors"},
-    {"frames", "data", "_compiled", "executors"},
+    {"frames", "data", "_compiled", "executors", "files"},
     {"runs", "results"},
     {"rotations", "filters", "recording"},
-    {"hinges", "offsets", "quality", "readers"},
+    {"hinges", "offsets", "quality", "readers", "arguments"},
     {"datasets"},
     set(DEVICES),
     {"simulation"},

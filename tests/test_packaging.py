@@ -161,9 +161,14 @@ def test_the_pages_show_every_command(check):
         assert any(f"{line} ".startswith(f"mobility-imu {name} ") for line in shown), name
 
 
-def test_the_readmes_commands_run_from_an_empty_folder(check, monkeypatch, tmp_path, capsys):
+def test_the_readmes_examples_run_from_an_empty_folder(check, monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     commands = check.examples(README)
     assert len(commands) >= 6
     for command in commands:
         assert run(monkeypatch, shlex.split(command)) == 0, (command, capsys.readouterr().err)
+    for page in (README, HOW_TO_USE):
+        python = re.search(r"```python\n(.*?)```", page, re.DOTALL)[1]
+        capsys.readouterr()
+        exec(compile(python, "first example", "exec"), {})
+        assert "time_s" in capsys.readouterr().out.replace("lift_s", "time_s")

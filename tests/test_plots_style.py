@@ -2,8 +2,9 @@
 
 import numpy as np
 import pandas as pd
+import pytest
 
-from mobility_imu.plots.style import show_table
+from mobility_imu.plots.style import show_table, use_style
 
 
 def test_tables_of_chapters():
@@ -19,3 +20,11 @@ def test_tables_of_chapters():
     )
     with_all = show_table(table, "a", index=True, caption="Errors", missing="none").to_html()
     assert all(f">{part}<" in with_all for part in ("row", "Errors", "none", "0.333"))
+
+
+def test_the_style_as_a_cells_last_line_shows_nothing(capsys):
+    DisplayFormatter = pytest.importorskip("IPython.core.formatters").DisplayFormatter
+
+    with use_style() as style:
+        assert DisplayFormatter().format(style) == ({}, {})
+    assert capsys.readouterr().out == ""

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.files import Outputs, csv_bytes
 from mobility_imu.cli.options import FillGaps, Output, sub_app
 from mobility_imu.errors import InputError
+from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
     from mobility_imu.scooter.angles import Form as LibraryForm

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.files import Outputs, csv_bytes
 from mobility_imu.cli.options import Folder, Seed, sub_app
+from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
     import pandas as pd

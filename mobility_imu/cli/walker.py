@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.files import Outputs, csv_bytes
 from mobility_imu.cli.options import FillGaps, Output, Smooth, sub_app
 from mobility_imu.errors import InputError
+from mobility_imu.files import Outputs, csv_bytes
 
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
 Form = Literal["corrected", "printed"]

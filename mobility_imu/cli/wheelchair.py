@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.files import Outputs, csv_bytes, figure_bytes
 from mobility_imu.cli.options import FillGaps, Output, Rate, sub_app
 from mobility_imu.errors import InputError, needs
+from mobility_imu.files import Outputs, csv_bytes, figure_bytes
 
 if TYPE_CHECKING:
     from mobility_imu.readers.velocities import VelocitySeries

@@ -29,6 +29,13 @@ MARKERS = ("o", "s", "^", "D", "v", "X")
 HATCHES = ("", "///", "...", "xx", "\\\\\\", "++")
 
 
+class _Restore(ExitStack):
+    """Puts the former defaults back; as the last line of a notebook's cell it shows nothing."""
+
+    def _ipython_display_(self) -> None:
+        """Show nothing."""
+
+
 def use_style() -> ExitStack:
     """Set matplotlib's defaults: palette, line styles, type sizes.
 
@@ -73,7 +80,7 @@ def use_style() -> ExitStack:
     }
     former = {key: matplotlib.rcParams[key] for key in settings}
     matplotlib.rcParams.update(settings)
-    restore = ExitStack()
+    restore = _Restore()
     restore.callback(matplotlib.rcParams.update, former)
     return restore
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from mobility_imu.errors import InputError
+from mobility_imu.files import as_path
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.clocks import check_fill, check_rate, fill_gaps
 from mobility_imu.readers.table import parse_numbers, read_text
@@ -51,7 +52,7 @@ def read_recording(
         Unknown format, missing columns, and whatever
         :class:`~mobility_imu.recording.Recording` refuses.
     """
-    path = Path(path)
+    path = as_path(path)
     source = str(path)
     check_rate(sampling_rate_hz, source)
     check_fill(fill_gaps_s)
@@ -89,7 +90,7 @@ def recording_files(path: str | Path) -> list[Path]:
     -------
     list of Path, empty if there is no such recording
     """
-    path = Path(path)
+    path = as_path(path)
     return [path] if _is_there(path) else list(_xsens_parts(path).values())
 
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from mobility_imu.errors import InputError
+from mobility_imu.files import as_path
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.results import Result
@@ -45,7 +46,7 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
     InputError
         If the file is missing, empty, not text, or a packed file that is damaged or cut short.
     """
-    path = Path(path)
+    path = as_path(path)
     try:
         raw = _read_bytes(path, again)
         if path.suffix == ".gz":

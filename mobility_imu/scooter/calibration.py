@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage, optimize
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number, as_vectors
+from mobility_imu.frames import FloatArray, as_floats, as_number, as_vectors
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
@@ -100,6 +101,7 @@ class ScooterCalibration(Result):
     unseen : names of directions that the poses tell little of: the prior stays there
     geometry : ScooterGeometry that the calibration was made with
     warnings : sentences for the user
+    pose_sd_rad, prior_sd_rad : rad, what it was made with, see :func:`mount_from_poses`
     """
 
     mount: ScooterMount
@@ -107,6 +109,8 @@ class ScooterCalibration(Result):
     unseen: tuple[str, ...]
     geometry: ScooterGeometry
     warnings: tuple[str, ...] = ()
+    pose_sd_rad: float = POSE_SD_RAD
+    prior_sd_rad: float = PRIOR_SD_RAD
 
     def to_toml(self, path: str | Path | None = None) -> str:
         """Text of a geometry file with geometry, mount and, as a comment, standard deviations.
@@ -151,7 +155,12 @@ def calibrate_mount(
     InputError
         If a recording has not as many still poses as settings, or the poses are too few or alike.
     """
+    expect("geometry", geometry, ScooterGeometry)
     parked = [parked_recordings] if isinstance(parked_recordings, Recording) else parked_recordings
+    if not isinstance(parked, list | tuple):
+        raise InputError(
+            f"parked_recordings: got {type(parked).__name__}, expected Recording or a list of them"
+        )
     poses = [pose for one in parked for pose in parked_poses(one, settings_of_poses_rad)]
     return mount_from_poses(poses, geometry, pose_sd_rad=pose_sd_rad, prior_sd_rad=prior_sd_rad)
 
@@ -187,6 +196,7 @@ def mount_from_poses(
     InputError
         If there are too few different poses, or the least squares find no mount.
     """
+    expect("geometry", geometry, ScooterGeometry)
     pose_sd = as_number(pose_sd_rad, "pose_sd_rad")
     prior_sd = as_number(prior_sd_rad, "prior_sd_rad")
     different = {(round(p.steering_rad, 3), round(p.throttle_rad, 3)) for p in poses}
@@ -234,7 +244,9 @@ def mount_from_poses(
         for name in unseen
     )
     turns = (Rotation.from_rotvec(part).as_matrix() for part in (found.x[:3], found.x[3:]))
-    return ScooterCalibration(ScooterMount(*turns), sd, unseen, geometry, warnings)
+    return ScooterCalibration(
+        ScooterMount(*turns), sd, unseen, geometry, warnings, pose_sd, prior_sd
+    )
 
 
 class _Stops(NamedTuple):
@@ -296,6 +308,7 @@ def find_stills(parked: Recording) -> list[slice]:
     -------
     list of slices of samples
     """
+    expect("parked", parked, Recording)
     fs = parked.sampling_rate_hz
     gyr = parked.gyroscope("lever")
     gyr = gyr - np.median(gyr, axis=0)  # a constant bias is no motion
@@ -327,19 +340,25 @@ def parked_poses(
     InputError
         If there are not as many still intervals as settings; the message lists their times.
     """
+    settings = as_floats(settings_rad, "settings of the poses")
+    if settings.ndim != 2 or settings.shape[1] != 2 or not np.isfinite(settings).all():
+        raise InputError(
+            f"settings of the poses: got shape {settings.shape}, expected a row of two finite "
+            "numbers, steering and throttle, for each pose"
+        )
     stills = find_stills(parked)
-    if len(stills) != len(settings_rad):
+    if len(stills) != len(settings):
         times = ", ".join(
             f"{parked.time_s[s.start]:.1f}-{parked.time_s[s.stop - 1]:.1f} s" for s in stills
         )
         raise InputError(
             f"{parked.source}: {len(stills)} still stretches ({times or 'none'}), expected "
-            f"{len(settings_rad)}, one per pose"
+            f"{len(settings)}, one per pose"
         )
     lever, body = parked.sensor("lever").acc_mps2, parked.sensor("body").acc_mps2
     return [
         ParkedPose(lever[still].mean(axis=0), body[still].mean(axis=0), *setting)
-        for still, setting in zip(stills, settings_rad, strict=True)
+        for still, setting in zip(stills, settings.tolist(), strict=True)
     ]
 
 

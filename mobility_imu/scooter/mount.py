@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_rotation, as_vectors
+from mobility_imu.files import write_text
+from mobility_imu.frames import FloatArray, as_rotation, as_series, as_vectors
 from mobility_imu.readers.geometry import read_arrays
 from mobility_imu.results import Result
 from mobility_imu.scooter.geometry import ScooterGeometry
@@ -138,15 +140,18 @@ class ScooterMount(Result):
         -------
         str
         """
+        expect("geometry", geometry, ScooterGeometry, none=True)
         lines = [] if geometry is None else [*geometry.to_toml().splitlines(), ""]
         lines.append(f"[{SECTION}]")
         if sd_rad is not None:
-            sd = ", ".join(f"{value:.2f}" for value in np.rad2deg(sd_rad))
+            sd = ", ".join(
+                f"{value:.2f}" for value in np.rad2deg(as_series(sd_rad, "sd_rad", length=6))
+            )
             lines.append(f"# sd in deg about x, y, z of the lever's, then the body's IMU: {sd}")
         for key in KEYS:
             rows = [[round(float(v), 6) for v in row] for row in getattr(self, key)]
             lines.append(f"{key} = {rows}")
         text = "\n".join(lines) + "\n"
         if path is not None:
-            Path(path).write_text(text)
+            write_text(path, text)
         return text

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import check_columns, expect, for_each, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.executors import run_all
 from mobility_imu.filters import median_filter
 from mobility_imu.frames import FloatArray, as_count, as_number, one_of
 from mobility_imu.quality import frozen_samples, saturated_samples
@@ -70,6 +70,7 @@ class RideSettings:
         one_of("form", self.form, ("corrected", "printed"))
         one_of("single_imu", self.single_imu, (False, True))
         one_of("smooth", self.smooth, (False, True))
+        expect("fusion", self.fusion, FusionSettings)
         window = as_count(self.median_window, "median_window")
         if window % 2 == 0:
             raise InputError(f"median_window = {window}: expected an odd number of samples")
@@ -115,6 +116,13 @@ class RideAngles(Result):
     valid: NDArray[np.bool_]
     settings: RideSettings
     warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check that all are series of one length."""
+        expect("settings", self.settings, RideSettings)
+        numbers = ("steering_rad", "throttle_rad", "steering_sd_rad", "throttle_sd_rad")
+        check_columns(self, "time_s", *numbers, flags=("valid",))
+        super().__post_init__()
 
     def to_frame(self) -> pd.DataFrame:
         """Table of ``mobility-imu scooter angles``: time, both angles and their sd in deg, valid.
@@ -203,11 +211,12 @@ def estimate_ride(
     >>> ride.to_frame()[["steering_deg", "throttle_deg"]].mean().round().tolist()
     [30.0, 20.0]
     """
-    settings = RideSettings() if settings is None else settings
-    if isinstance(recording, Recording):
-        return _estimate(recording, geometry, mount, settings)
-    tasks = [(one, geometry, mount, settings) for one in recording]
-    return run_all(_estimate, tasks, executor)
+    expect("geometry", geometry, ScooterGeometry)
+    expect("mount", mount, ScooterMount, none=True)
+    settings = settings_or_default("settings", settings, RideSettings)
+    return for_each(
+        _estimate, recording, executor, geometry=geometry, mount=mount, settings=settings
+    )
 
 
 def _estimate(

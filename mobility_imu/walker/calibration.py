@@ -15,6 +15,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.recording import Imu, Recording
@@ -145,10 +146,11 @@ def calibrate_mount(
         If the tilts that the method needs are not in the recording (the message says which), or
         an option has none of its values.
     """
-    if not isinstance(recording, Recording):
-        raise InputError(f"recording = {recording!r:.60}: expected a Recording")
+    expect("recording", recording, Recording)
+    expect("geometry", geometry, WalkerGeometry)
     one_of("method", method, _METHODS)
     one_of("form", form, ("corrected", "printed"))
+    one_of("smooth", smooth, (True, False))
 
     def path_of(readings: Recording) -> tuple[Navigation, tuple[str, ...]]:
         return navigate_recording(readings, smooth=smooth, settings=settings, stillness=stillness)
@@ -256,15 +258,15 @@ def calibrate_from_path(
     one_of("method", method, _METHODS)
     one_of("form", form, ("corrected", "printed"))
     as_number(velocity_tilt_rad, "velocity_tilt_rad")
-    if not isinstance(geometry, WalkerGeometry):
-        raise InputError(f"geometry = {geometry!r:.60}: expected a WalkerGeometry")
+    expect("path", path, Navigation)
+    expect("geometry", geometry, WalkerGeometry)
     tilts, of_tilts = find_tilts(path, order)
     with_ = _Choice(
         geometry,
         method,
         form,
-        settings or path.settings or NavigationSettings(),
-        stillness or StillnessSettings(),
+        settings_or_default("settings", settings or path.settings, NavigationSettings),
+        settings_or_default("stillness", stillness, StillnessSettings),
     )
     notes = [*warnings, *of_tilts]
     if method == "all-samples":

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_flags
+from mobility_imu.frames import FloatArray, as_flags, one_of
 from mobility_imu.offsets import rest_offsets
 from mobility_imu.quality import frozen_samples, saturated_samples
 from mobility_imu.recording import Recording
@@ -70,8 +71,11 @@ def navigate_recording(
         If there is no rest within the first seconds, a reading is larger than any sensor's, the
         rate is too low, or ``closed_loop`` is asked for without the smoother.
     """
-    if not isinstance(recording, Recording):
-        raise InputError(f"recording = {recording!r:.60}: expected a Recording")
+    expect("recording", recording, Recording)
+    settings = settings_or_default("settings", settings, NavigationSettings)
+    stillness = settings_or_default("stillness", stillness, StillnessSettings)
+    expect("closed_loop", closed_loop, ClosedLoop, none=True)
+    one_of("smooth", smooth, (True, False))
     if closed_loop is not None and not smooth:
         raise InputError("closed_loop needs the smoother: it cannot be had with smooth=False")
     imu, gyr = recording.sensor("frame", gyroscope=True), recording.gyroscope("frame")
@@ -82,9 +86,8 @@ def navigate_recording(
             "more (is time_s in ms?)"
         )
     _check_size(recording)
-    detector = stillness or StillnessSettings()
     cut, warnings = _faulty_samples(recording)
-    offset = _offset(recording, settings or NavigationSettings(), detector)
+    offset = _offset(recording, settings, stillness)
     if offset.any():
         gyr = gyr - offset
         shown = ", ".join(f"{k} {v:.2f}" for k, v in zip("xyz", np.rad2deg(offset), strict=True))
@@ -92,7 +95,7 @@ def navigate_recording(
             f"{recording.source}: the gyroscope has an offset ({shown} deg/s), which is taken off"
         )
     if rests is None:
-        still = find_stillness(imu.acc_mps2, gyr, rate_hz, detector)
+        still = find_stillness(imu.acc_mps2, gyr, rate_hz, stillness)
     else:
         still = as_flags(rests, "rests", length=len(recording))
     # Where up is comes from the first rest; what lies before it cannot be followed.
@@ -102,7 +105,7 @@ def navigate_recording(
         raise InputError(
             f"{recording.source}: the frame is not still within the first {LATEST_REST_S:g} s: "
             "expected some seconds of rest at the start, which say where up is"
-            + (_why_not_still(imu.acc_mps2, gyr, rate_hz, detector) if rests is None else "")
+            + (_why_not_still(imu.acc_mps2, gyr, rate_hz, stillness) if rests is None else "")
         )
     if late_s > 0.2:
         warnings.append(

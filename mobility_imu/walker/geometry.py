@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mobility_imu.errors import InputError
+from mobility_imu.files import write_text
 from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.readers.geometry import read_section
 
@@ -119,7 +120,7 @@ class WalkerGeometry:
             f"footprint_length_m = {self.footprint_length_m}\n"
         )
         if path is not None:
-            Path(path).write_text(text, encoding="utf-8")
+            write_text(path, text)
         return text
 
     def edge(self, direction: TiltDirection) -> Edge:

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
+from mobility_imu.files import write_text
 from mobility_imu.frames import FloatArray, as_rotation, as_vectors
 from mobility_imu.readers.geometry import find_table, read_arrays
 from mobility_imu.results import Result
-
-if TYPE_CHECKING:
-    from mobility_imu.walker.geometry import WalkerGeometry
+from mobility_imu.walker.geometry import WalkerGeometry
 
 __all__ = ["WalkerMount"]
 
@@ -108,7 +107,10 @@ class WalkerMount(Result):
         -------
         str
         """
-        lines = ["[walker.mount]", *([f"# {comment}"] if comment else [])]
+        expect("geometry", geometry, WalkerGeometry, none=True)
+        expect("comment", comment, str)
+        remark = " ".join("".join(c if c.isprintable() else " " for c in comment).split())
+        lines = ["[walker.mount]", *([f"# {remark}"] if remark else [])]
         for name, digits in (
             ("translation_sd_m", 5),
             ("rotation_sd_rad", 5),
@@ -123,5 +125,5 @@ class WalkerMount(Result):
         if geometry is not None:
             text = f"{geometry.to_toml()}\n{text}"
         if path is not None:
-            Path(path).write_text(text, encoding="utf-8")
+            write_text(path, text)
         return text

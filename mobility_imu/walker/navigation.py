@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from mobility_imu._compiled import choose
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
     GAP_FACTOR,
@@ -27,6 +28,7 @@ from mobility_imu.frames import (
     as_clock,
     as_flags,
     as_vectors,
+    one_of,
 )
 from mobility_imu.results import Result
 from mobility_imu.rotations import cross_matrix
@@ -240,7 +242,7 @@ def navigate(
         If the frame is not still at the first sample: where up is, and the biases, come from the
         rest there, and no later rest can tell the attitude before it.
     """
-    settings = settings or NavigationSettings()
+    settings = settings_or_default("settings", settings, NavigationSettings)
     clock, acc, gyr, at_rest = _inputs(time_s, acc_mps2, gyr_radps, still)
     acc, gyr = interval_means(acc, gyr, float(np.median(np.diff(clock))))
     state, covariance = _start(clock, acc, gyr, at_rest, settings)
@@ -285,6 +287,9 @@ def run_filter(
     seen = np.zeros((1, 4)) if observed is None else np.array(observed, float, order="C")
     if observed is not None and (seen.shape != (count, 4) or not np.isfinite(seen).all()):
         raise InputError(f"observed {seen.shape}: expected ({count}, 4) finite numbers")
+    expect("settings", settings, NavigationSettings)
+    expect("closed_loop", closed_loop, ClosedLoop, none=True)
+    one_of("smooth", smooth, (True, False))
     if closed_loop is not None and not smooth:
         raise InputError(
             "closed_loop with smooth = False: the filter does not know the end, expected smoothing"

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, as_count, check_positive, one_of
 from mobility_imu.walker import eskf
 from mobility_imu.walker.error_state import FORMS, Form
@@ -82,10 +81,8 @@ class NavigationSettings:
             count = as_count(getattr(self, name), f"NavigationSettings.{name}")
             object.__setattr__(self, name, count)
         for name in ("zero_rate", "initial_gyr_mean"):
-            value = getattr(self, name)
-            if not isinstance(value, bool | np.bool_):
-                raise InputError(f"NavigationSettings.{name} = {value!r}: expected True or False")
-            object.__setattr__(self, name, bool(value))
+            flag = one_of(f"NavigationSettings.{name}", getattr(self, name), (True, False))
+            object.__setattr__(self, name, flag)
 
     @classmethod
     def for_foot(cls) -> NavigationSettings:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, check_positive
 from mobility_imu.results import Result
@@ -148,7 +149,8 @@ def find_steps(trajectory: Trajectory, settings: GaitSettings | None = None) -> 
         If the frame never stands, or a move is shorter than what the detector took off both rests
         around it.
     """
-    settings = settings or GaitSettings()
+    expect("trajectory", trajectory, Trajectory)
+    settings = settings_or_default("settings", settings, GaitSettings)
     time, still = trajectory.time_s, trajectory.stationary
     if not still.any():
         raise InputError("trajectory: the frame never stands still, so no step begins or ends")
@@ -246,6 +248,8 @@ class Turns(Result):
     start_s, stop_s : (k,) arrays, s, first lift and last placement
     angle_rad : (k,) array, rad, left positive
     first_step, last_step : (k,) int arrays, counted from 0
+    settings : GaitSettings of the steps
+    warnings : those of the steps
     """
 
     start_s: FloatArray
@@ -253,6 +257,8 @@ class Turns(Result):
     angle_rad: FloatArray
     first_step: NDArray[np.int64]
     last_step: NDArray[np.int64]
+    settings: GaitSettings = field(default_factory=GaitSettings)
+    warnings: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of turns."""
@@ -284,9 +290,18 @@ def find_turns(steps: Steps) -> Turns:
     -------
     Turns
     """
+    expect("steps", steps, Steps)
     sense = np.sign(steps.turn_rad) * (np.abs(steps.turn_rad) >= steps.settings.least_turn_rad)
     runs = [run for side in (-1, 1) for run in runs_of(sense == side)]
     runs.sort(key=lambda run: run.start)
     first, last = np.array([(r.start, r.stop - 1) for r in runs], int).reshape(-1, 2).T
     angle = np.array([steps.turn_rad[run].sum() for run in runs])
-    return Turns(steps.lift_s[first], steps.place_s[last], angle, first, last)
+    return Turns(
+        steps.lift_s[first],
+        steps.place_s[last],
+        angle,
+        first,
+        last,
+        steps.settings,
+        steps.warnings,
+    )

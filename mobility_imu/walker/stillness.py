@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
+from mobility_imu.arguments import settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_vectors, check_positive
 
@@ -75,7 +76,7 @@ def stillness_signals(
     InputError
         If the arrays are empty, not of one length or not finite, or the rate is not positive.
     """
-    settings = settings or StillnessSettings()
+    settings = settings_or_default("settings", settings, StillnessSettings)
     acc = as_vectors(acc_mps2, "acc_mps2", ndim=2, finite=True)
     gyr = as_vectors(gyr_radps, "gyr_radps", length=len(acc), finite=True)
     rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
@@ -110,7 +111,7 @@ def find_stillness(
     -------
     (n,) bool array
     """
-    settings = settings or StillnessSettings()
+    settings = settings_or_default("settings", settings, StillnessSettings)
     rate, deviation = stillness_signals(acc_mps2, gyr_radps, sampling_rate_hz, settings)
     quiet = (rate < settings.rate_radps) & (deviation < settings.acc_deviation_mps2)
     # An erosion by both lengths: the margin asks for quiet all around, the rest shortens.

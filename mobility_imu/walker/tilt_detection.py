@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, shown
 from mobility_imu.runs import runs_of
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection
 from mobility_imu.walker.navigation import Navigation
@@ -38,7 +38,7 @@ class Tilt:
     """
 
     direction: TiltDirection
-    span: slice
+    span: slice = field(hash=False)  # a slice has no hash before Python 3.12
     top: int
     angle_rad: float
 
@@ -65,6 +65,9 @@ def find_tilts(
     InputError
         If no tilt is found, one goes across a corner, or the order leaves open which they were.
     """
+    named = isinstance(order, Sequence) and all(isinstance(name, str) for name in order)
+    if not named or isinstance(order, str):
+        raise InputError(f"order: got {shown(order)}, expected a list of names")
     unknown = [name for name in order if name not in TILT_DIRECTIONS]
     if unknown or not order:
         raise InputError(

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.arguments import expect, for_each, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.executors import run_all
-from mobility_imu.frames import FloatArray, as_rotation, as_vectors
+from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
@@ -183,7 +182,6 @@ def estimate_trajectory(
     stillness: StillnessSettings | None = None,
     smooth: bool = True,
     closed_loop: ClosedLoop | None = None,
-    rests: Sequence[ArrayLike | None] | None = None,
     executor: Any = None,
 ) -> list[Trajectory]: ...
 
@@ -197,7 +195,7 @@ def estimate_trajectory(
     stillness: StillnessSettings | None = None,
     smooth: bool = True,
     closed_loop: ClosedLoop | None = None,
-    rests: ArrayLike | Sequence[ArrayLike | None] | None = None,
+    rests: ArrayLike | None = None,
     executor: Any = None,
 ) -> Trajectory | list[Trajectory]:
     """Path of a walking frame from a recording of the IMU on it, or of several recordings.
@@ -212,8 +210,8 @@ def estimate_trajectory(
     stillness : StillnessSettings of the detector
     smooth : whether each estimate may use what comes after it
     closed_loop : if the walk is known to end where and as it began; never evidence of accuracy
-    rests : (n,) flags of the samples at which the frame is known to rest, on the recording's clock;
-        for a list of recordings a list of such arrays. None finds the rests by the detector
+    rests : (n,) flags of the samples at which the frame is known to rest, with one recording; None
+        finds the rests by the detector
     executor : anything with ``submit``, for a list of recordings; None works in this process
 
     Returns
@@ -226,39 +224,34 @@ def estimate_trajectory(
         If the recording has no sensor "frame" with gyroscope, no still phase at its start, or by
         the mount the frame does not stand upright there.
     """
-    if not (geometry is None or isinstance(geometry, WalkerGeometry)):
-        raise InputError(f"geometry = {geometry!r:.60}: expected a WalkerGeometry or None")
-    if not isinstance(mount, WalkerMount):
-        raise InputError(f"mount = {mount!r:.60}: expected a WalkerMount")
-    estimate = partial(
+    expect("geometry", geometry, WalkerGeometry, none=True)
+    expect("mount", mount, WalkerMount)
+    if not (rests is None or isinstance(recording, Recording)):
+        raise InputError("rests belong to one recording: call this for each, expected no list")
+    return for_each(
         _estimate_one,
+        recording,
+        executor,
         geometry=geometry,
         mount=mount,
-        settings=settings,
-        stillness=stillness,
-        smooth=smooth,
+        settings=settings_or_default("settings", settings, NavigationSettings),
+        stillness=settings_or_default("stillness", stillness, StillnessSettings),
+        smooth=one_of("smooth", smooth, (True, False)),
         closed_loop=closed_loop,
+        rests=rests,
     )
-    if isinstance(recording, Recording):
-        return estimate(recording, rests)
-    if not isinstance(recording, list | tuple):
-        raise InputError(f"recording = {recording!r:.60}: expected a Recording or a list of them")
-    masks = [None] * len(recording) if rests is None else rests
-    if not isinstance(masks, list | tuple) or len(masks) != len(recording):
-        raise InputError(f"rests: expected a list of {len(recording)}, one for each recording")
-    return run_all(estimate, list(zip(recording, masks, strict=True)), executor)
 
 
 def _estimate_one(
     recording: Recording,
-    rests: Any,
     *,
     geometry: WalkerGeometry | None,
     mount: WalkerMount,
-    settings: NavigationSettings | None,
-    stillness: StillnessSettings | None,
+    settings: NavigationSettings,
+    stillness: StillnessSettings,
     smooth: bool,
     closed_loop: ClosedLoop | None,
+    rests: ArrayLike | None,
 ) -> Trajectory:
     path, warnings = navigate_recording(
         recording,
@@ -377,8 +370,8 @@ def trajectory_from_path(
         sd,
         yaw_sd,
         tuple(notes),
-        settings=settings or NavigationSettings(),
-        stillness=stillness or StillnessSettings(),
+        settings=settings_or_default("settings", settings, NavigationSettings),
+        stillness=settings_or_default("stillness", stillness, StillnessSettings),
     )
 
 

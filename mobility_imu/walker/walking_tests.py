@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number, one_of
+from mobility_imu.frames import FloatArray, as_count, as_number, one_of
 from mobility_imu.results import Result
-from mobility_imu.walker.steps import Steps, Turns, find_turns
+from mobility_imu.walker.steps import GaitSettings, Steps, Turns, find_turns
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,6 +50,7 @@ class WalkingSummary(Result):
     mean_speed_mps : m/s, that path from the first lift to the last placement, turns included
     turns : Turns
     warnings : those of the steps
+    settings : GaitSettings of the steps
     """
 
     step_count: int
@@ -63,14 +65,14 @@ class WalkingSummary(Result):
     mean_speed_mps: float
     turns: Turns
     warnings: tuple[str, ...] = ()
+    settings: GaitSettings = field(default_factory=GaitSettings)
 
     def to_frame(self) -> pd.DataFrame:
         """One row of numbers, with the number of turns and their sum without sign."""
         import pandas as pd
 
-        row = {
-            name: value for name, value in vars(self).items() if name not in ("turns", "warnings")
-        }
+        others = ("turns", "warnings", "settings")
+        row = {name: value for name, value in vars(self).items() if name not in others}
         row["turn_count"] = len(self.turns.angle_rad)
         row["turned_deg"] = float(np.rad2deg(np.abs(self.turns.angle_rad).sum()))
         return pd.DataFrame([row])
@@ -112,6 +114,7 @@ def walking_summary(steps: Steps) -> WalkingSummary:
         mean_speed_mps=path / float(steps.place_s[-1] - steps.lift_s[0]),
         turns=find_turns(steps),
         warnings=steps.warnings,
+        settings=steps.settings,
     )
 
 
@@ -172,12 +175,31 @@ class WalkTest:
     start_s, stop_s : s, on the recording's clock
     distance_m : m, along the placements in this time
     step_count : steps put down in this time
+    warnings : those of the steps
+    settings : GaitSettings of the steps
+
+    Raises
+    ------
+    InputError
+        If a number is none, or the walk ends before it begins.
     """
 
     start_s: float
     stop_s: float
     distance_m: float
     step_count: int
+    warnings: tuple[str, ...] = ()
+    settings: GaitSettings = field(default_factory=GaitSettings)
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        for name in ("start_s", "stop_s"):
+            object.__setattr__(self, name, as_number(getattr(self, name), name, negative=True))
+        distance = as_number(self.distance_m, "distance_m", zero=True)
+        object.__setattr__(self, "distance_m", distance)
+        object.__setattr__(self, "step_count", as_count(self.step_count, "step_count", least=0))
+        if not self.stop_s > self.start_s:
+            raise InputError(f"stop_s = {self.stop_s:g}: expected after start_s, {self.start_s:g}")
 
     @property
     def duration_s(self) -> float:
@@ -263,7 +285,8 @@ def six_minute_walk(steps: Steps, duration_s: float = 360.0) -> WalkTest:
 
 def _walk_test(steps: Steps, start_s: float, stop_s: float, distance_m: float) -> WalkTest:
     inside = (steps.place_s > start_s) & (steps.place_s <= stop_s)
-    return WalkTest(start_s, stop_s, distance_m, int(inside.sum()))
+    count = int(inside.sum())
+    return WalkTest(start_s, stop_s, distance_m, count, steps.warnings, steps.settings)
 
 
 TUG_PHASES = ("walk out", "first turn", "walk back", "second turn")
@@ -281,6 +304,7 @@ class TimedUpAndGo(Result):
     turn_rad : (4,) array, rad, left positive
     step_count : (4,) int array
     warnings : those of the steps
+    settings : GaitSettings of the steps
     """
 
     boundary_s: FloatArray
@@ -288,6 +312,7 @@ class TimedUpAndGo(Result):
     turn_rad: FloatArray
     step_count: NDArray[np.int64]
     warnings: tuple[str, ...] = ()
+    settings: GaitSettings = field(default_factory=GaitSettings)
 
     @property
     def duration_s(self) -> float:
@@ -354,9 +379,11 @@ def timed_up_and_go(steps: Steps, *, least_turn_rad: float = float(np.deg2rad(90
         np.diff(turned[edges]),
         np.diff(edges),
         steps.warnings,
+        steps.settings,
     )
 
 
 def _check(steps: Steps) -> None:
+    expect("steps", steps, Steps)
     if not len(steps):
         raise InputError("steps: there is none, expected a walk of one step or more")

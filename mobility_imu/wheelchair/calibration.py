@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import ndimage
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.recording import Recording
@@ -23,7 +24,6 @@ from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelPair
 from mobility_imu.wheelchair.mount import WheelchairMount
-from mobility_imu.wheelchair.series import expect
 
 __all__ = [
     "AlignmentAngles",

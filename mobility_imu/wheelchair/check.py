@@ -14,13 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
-from mobility_imu.wheelchair.series import expect
 
 __all__ = ["GeometryCheck", "check_geometry"]
 

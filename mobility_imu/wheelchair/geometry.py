@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from mobility_imu.errors import InputError
+from mobility_imu.files import write_text
 from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.readers.geometry import read_section
 
@@ -151,13 +152,12 @@ class WheelchairGeometry:
             raise InputError(
                 f"camber_deg = {camber_deg:g}: no camber is that small; is it in radians?"
             )
-        if not low <= camber_deg <= high:
+        if not low - 1e-9 <= camber_deg <= high + 1e-9:  # as a file rounds them
             raise InputError(
                 f"camber_deg = {camber_deg:g}: expected between {low:.1f} and {high:g} deg"
             )
-        return cls(
-            float(np.deg2rad(camber_deg)), wheel_radius_left_m, wheel_radius_right_m, track_m
-        )
+        camber_rad = float(np.clip(np.deg2rad(camber_deg), SMALLEST_CAMBER_RAD, LARGEST_CAMBER_RAD))
+        return cls(camber_rad, wheel_radius_left_m, wheel_radius_right_m, track_m)
 
     @classmethod
     def from_circumference(
@@ -242,7 +242,7 @@ class WheelchairGeometry:
             f"track_m = {self.track_m}\n"
         )
         if path is not None:
-            Path(path).write_text(text)
+            write_text(path, text)
         return text
 
     @property

@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
+from mobility_imu.files import write_text
 from mobility_imu.frames import FloatArray, as_rotation, as_vectors
 from mobility_imu.readers.geometry import find_table, read_arrays
 from mobility_imu.results import Result
@@ -99,6 +101,7 @@ class WheelchairMount(Result):
         -------
         str
         """
+        expect("geometry", geometry, WheelchairGeometry, none=True)
         lines = [f"[{SECTION}]"]
         for name in KEYS:
             matrix = getattr(self, name)
@@ -109,7 +112,7 @@ class WheelchairMount(Result):
         if geometry is not None:
             text = f"{geometry.to_toml()}\n{text}"
         if path is not None:
-            Path(path).write_text(text)
+            write_text(path, text)
         return text
 
     def rotation_imu_to_wheel(self, side: Side) -> FloatArray:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.arguments import check_columns, expect, settings_or_default
 from mobility_imu.frames import FloatArray, as_clock, as_number, as_series, check_positive
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of
 from mobility_imu.wheelchair.codes import Task, as_codes
-from mobility_imu.wheelchair.series import expect
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -180,12 +180,20 @@ class Pushes(Result):
     onset_s, peak_s : (k,) arrays, s
     speed_gain_mps : (k,) array, m/s
     settings : PushSettings that were used
+    warnings : sentences for the user
     """
 
     onset_s: FloatArray
     peak_s: FloatArray
     speed_gain_mps: FloatArray
     settings: PushSettings = field(default_factory=PushSettings)
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check that all are series of one length."""
+        expect("settings", self.settings, PushSettings)
+        check_columns(self, "onset_s", "peak_s", "speed_gain_mps")
+        super().__post_init__()
 
     def __len__(self) -> int:
         """Return the number of pushes."""
@@ -239,8 +247,7 @@ def detect_pushes(
     """
     from scipy import ndimage, signal
 
-    settings = PushSettings() if settings is None else settings
-    expect("settings", settings, PushSettings)
+    settings = settings_or_default("settings", settings, PushSettings)
     clock = as_clock(time_s, even=True)
     velocity = as_series(linear_velocity_mps, "linear_velocity_mps", length=len(clock))
     if len(clock) < 3:

@@ -1,4 +1,4 @@
-"""Checks of what the chair's functions are given: series of one length, and objects of one kind."""
+"""Check of what the chair's functions are given: series of one length, or single numbers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_series
 
-__all__ = ["alike", "expect"]
+__all__ = ["alike"]
 
 
 def alike(**named: ArrayLike) -> list[FloatArray]:
@@ -39,21 +39,3 @@ def _as_array(values: ArrayLike, name: str) -> FloatArray:
     if single or getattr(values, "ndim", None) == 0:
         return np.asarray(as_number(values, name, negative=True))
     return as_series(values, name)
-
-
-def expect(name: str, value: object, kind: type) -> None:
-    """Check that an argument is of the kind that a function works with.
-
-    Parameters
-    ----------
-    name : of the argument
-    value : what was given
-    kind : class that it must have
-
-    Raises
-    ------
-    InputError
-        If it is something else.
-    """
-    if not isinstance(value, kind):
-        raise InputError(f"{name}: got {type(value).__name__}, expected {kind.__name__}")

@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_count, as_number, as_series, check_positive, one_of
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of, runs_of
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
-from mobility_imu.wheelchair.series import expect
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -161,6 +161,7 @@ class SlipWindows(Result):
 
     def __post_init__(self) -> None:
         """Check that the windows follow one another."""
+        expect("settings", self.settings, SlipSettings)
         first, last = (
             as_series(getattr(self, name), f"windows.{name}") for name in ("first", "last")
         )
@@ -233,8 +234,7 @@ def detect_slip(
     -------
     SlipWindows
     """
-    settings = SlipSettings() if settings is None else settings
-    expect("settings", settings, SlipSettings)
+    settings = settings_or_default("settings", settings, SlipSettings)
     yaw = as_series(yaw_rate_radps, "yaw_rate_radps")
     wheels = as_series(wheel_yaw_rate_radps, "wheel_yaw_rate_radps", length=len(yaw))
     fs = as_number(sampling_rate_hz, "sampling_rate_hz")
@@ -418,6 +418,7 @@ class SlipReport(Result):
     sources : one text per window: where its speed comes from
     share, corrected_share : of all samples, flagged and corrected, 0 to 1
     settings : SlipSettings that were used
+    warnings : sentences for the user
     """
 
     start_s: FloatArray
@@ -428,6 +429,7 @@ class SlipReport(Result):
     share: float
     corrected_share: float
     settings: SlipSettings = SlipSettings()
+    warnings: tuple[str, ...] = ()
 
     @property
     def largest_change(self) -> float:

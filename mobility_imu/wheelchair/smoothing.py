@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import Literal
 
+from mobility_imu.arguments import expect
 from mobility_imu.filters import moving_average, savitzky_golay
 from mobility_imu.frames import one_of
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.wheelchair.series import expect
 
 __all__ = ["Smoothing", "smooth_recording"]
 

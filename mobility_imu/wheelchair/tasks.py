@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Literal, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.arguments import check_columns, expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_clock, as_count, as_number, as_series, one_of
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of, runs_of
 from mobility_imu.wheelchair.codes import Codes, Task, as_codes
-from mobility_imu.wheelchair.series import alike, expect
+from mobility_imu.wheelchair.series import alike
 from mobility_imu.wheelchair.settings import TaskSettings
 
 if TYPE_CHECKING:
@@ -166,6 +167,14 @@ class Tasks(Result):
     settings: TaskSettings = field(default_factory=TaskSettings)
     edge: Edge = "covering"
     warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check that all are series of one length, and the codes those of tasks."""
+        expect("settings", self.settings, TaskSettings)
+        one_of("edge", self.edge, ("covering", "tool"))
+        check_columns(self, "time_s", "linear_velocity_mps", "yaw_rate_radps")
+        object.__setattr__(self, "codes", as_codes(self.codes, length=len(self.time_s)))
+        super().__post_init__()
 
     def __len__(self) -> int:
         """Return the number of frames."""
@@ -335,8 +344,7 @@ def task_steps(
     InputError
         As for :func:`task_codes`.
     """
-    settings = TaskSettings() if settings is None else settings
-    expect("settings", settings, TaskSettings)
+    settings = settings_or_default("settings", settings, TaskSettings)
     one_of("edge", edge, ("covering", "tool"))
     fs = as_number(sampling_rate_hz, "sampling_rate_hz")
     velocity = as_series(linear_velocity_mps, "linear_velocity_mps")

@@ -7,22 +7,22 @@ the uncorrected rate with the distance between wheel centres, and the spin with 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.arguments import check_columns, expect, for_each, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.executors import run_all
 from mobility_imu.frames import FloatArray, as_number, as_series, as_vectors, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.wheelchair.calibration import Form
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry, side_sign
 from mobility_imu.wheelchair.mount import WheelchairMount
-from mobility_imu.wheelchair.series import alike, expect
+from mobility_imu.wheelchair.series import alike
 from mobility_imu.wheelchair.slip import (
     SlipMethod,
     SlipSettings,
@@ -352,6 +352,13 @@ class ChairVelocity(Result):
     settings: VelocitySettings = VelocitySettings()
     warnings: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        """Check that all are series of one length."""
+        expect("settings", self.settings, VelocitySettings)
+        numbers = ("time_s", "linear_velocity_mps", "yaw_rate_radps", "wheel_yaw_rate_radps")
+        check_columns(self, *numbers, flags=("slip",))
+        super().__post_init__()
+
     def __len__(self) -> int:
         """Return the number of samples."""
         return len(self.time_s)
@@ -435,13 +442,12 @@ def estimate_velocity(
         If a sensor or a gyroscope is missing, or the wheels turn against the frame (left and right
         swapped).
     """
-    settings = VelocitySettings() if settings is None else settings
     expect("geometry", geometry, WheelchairGeometry)
     expect("mount", mount, WheelchairMount)
-    expect("settings", settings, VelocitySettings)
-    if isinstance(recording, Recording) or not isinstance(recording, Iterable):
-        return _one_recording(recording, geometry, mount, settings)
-    return run_all(_one_recording, [(r, geometry, mount, settings) for r in recording], executor)
+    settings = settings_or_default("settings", settings, VelocitySettings)
+    return for_each(
+        _one_recording, recording, executor, geometry=geometry, mount=mount, settings=settings
+    )
 
 
 def _one_recording(
@@ -450,7 +456,6 @@ def _one_recording(
     mount: WheelchairMount,
     settings: VelocitySettings,
 ) -> ChairVelocity:
-    expect("recording", recording, Recording)
     yaw_rate = mount.frame(recording.gyroscope("frame"))[:, 2]
     present = [side for side in SIDES if f"{side}_wheel" in recording.sensors]
     try:

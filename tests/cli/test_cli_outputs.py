@@ -11,10 +11,10 @@ from typing import get_args, get_origin, get_type_hints
 import pytest
 from command_lines import COMMANDS, NAMES
 
-from mobility_imu.cli import files
-from mobility_imu.cli.files import Outputs
+from mobility_imu import files
 from mobility_imu.cli.main import app
 from mobility_imu.errors import InputError
+from mobility_imu.files import Outputs
 
 
 def command_line(command, **outputs):

@@ -39,7 +39,7 @@ def test_from_tilts_to_a_path(tmp_path, works, method):
 
 def test_commands_write_what_the_library_finds(tmp_path, works):
     """Mount, path and steps, byte for byte."""
-    from mobility_imu.cli.files import csv_bytes
+    from mobility_imu.files import csv_bytes
     from mobility_imu.readers import read_recording
     from mobility_imu.walker import (
         ClosedLoop,

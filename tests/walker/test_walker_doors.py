@@ -231,8 +231,6 @@ def test_known_rests_replace_the_detector(walk):
     assert found.stillness is None and find_steps(found).stillness is None
     longer = find_steps(found).swing_s - find_steps(walk).swing_s
     assert np.allclose(longer, 2 * StillnessSettings().eroded_s)
-    both = estimate_trajectory([recording] * 2, FRAME, MOUNT, rests=[None, walk.stationary])
-    assert both[0].stillness == StillnessSettings() and both[1].stillness is None
 
 
 @pytest.mark.parametrize(
@@ -248,8 +246,8 @@ def test_rests_that_do_not_serve(walk, rests, message):
         rests = walk.stationary & (walk.time_s > 10)
     with pytest.raises(InputError, match=message):
         estimate_trajectory(walked().recording, FRAME, MOUNT, rests=rests)
-    with pytest.raises(InputError, match="expected a list of 2"):
-        estimate_trajectory([walked().recording] * 2, FRAME, MOUNT, rests=[rests])
+    with pytest.raises(InputError, match="belong to one recording"):
+        estimate_trajectory([walked().recording], FRAME, MOUNT, rests=[rests])
 
 
 def test_without_rests_the_path_grows_uncertain_and_says_so(walk):
@@ -312,17 +310,17 @@ def test_a_mount_far_off_the_frame_is_said_if_the_frame_is_known():
 
 
 def test_arguments_in_the_wrong_order_are_refused():
-    with pytest.raises(InputError, match="geometry = WalkerMount"):
+    with pytest.raises(InputError, match="geometry: got WalkerMount"):
         estimate_trajectory(walked().recording, MOUNT, FRAME)
-    with pytest.raises(InputError, match="mount = WalkerGeometry"):
+    with pytest.raises(InputError, match="mount: got WalkerGeometry"):
         estimate_trajectory(walked().recording, FRAME, FRAME)
-    with pytest.raises(InputError, match="geometry = WalkerMount"):
+    with pytest.raises(InputError, match="geometry: got WalkerMount"):
         calibrate_mount(tilt_recording(), MOUNT)
-    for wrong, message in (("walk.csv", "or a list of them"), ([None], "None: expected a Rec")):
+    for wrong, message in (("walk.csv", "or a list of them"), ([None], "recording 0: got None")):
         with pytest.raises(InputError, match=message):
             estimate_trajectory(wrong, FRAME, MOUNT)
     for door in (navigate_recording, lambda name: calibrate_mount(name, FRAME)):
-        with pytest.raises(InputError, match="recording = 'tilts': expected a Recording"):
+        with pytest.raises(InputError, match="recording: got str, expected Recording"):
             door("tilts")
     with pytest.raises(InputError, match="closed_loop needs the smoother"):
         estimate_trajectory(

@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.reproduction.walker.tables import POSES, pose_mount
-from mobility_imu.reproduction.walker.truth import true_knots, true_steps
 from mobility_imu.simulation.sensor import MTI_1, without
 from mobility_imu.simulation.walker import (
     CORRIDOR,
@@ -99,7 +98,7 @@ def test_times_lengths_and_turns(level):
         for seed in range(5):
             motion, trajectory = walk(course, level, seed)
             steps = find_steps(trajectory)
-            lift, place, length, turn = true_steps(motion)
+            lift, place, length, turn = motion.step_table().to_numpy().T
             assert np.abs(steps.lift_s - lift).max() < DETECTOR_S + 0.02
             # A rocking, ringing frame comes to rest later than it is put down.
             slack = 0.15 if level == "realistic" else 0.02
@@ -251,9 +250,9 @@ def test_cadence_and_speed_against_truth():
     for seed in range(5):
         motion, trajectory = walk(RECTANGLE, "realistic", seed)
         summary = walking_summary(find_steps(trajectory))
-        lift, place, *_ = true_steps(motion)
+        lift, place, *_ = motion.step_table().to_numpy().T
         assert abs(summary.cadence_per_min - 60 * (len(lift) - 1) / (lift[-1] - lift[0])) < 0.1
-        speed = true_knots(motion)[1][-1] / (place[-1] - lift[0])
+        speed = motion.knots().way_m[-1] / (place[-1] - lift[0])
         assert abs(summary.mean_speed_mps / speed - 1) < 0.02
         assert len(summary.turns.angle_rad) == 4
         assert np.allclose(summary.turns.angle_rad, np.pi / 2, atol=np.deg2rad(1.5))
@@ -275,7 +274,7 @@ def test_ten_metre_walk(level):
     """Times to 2 %, by creep and scale; the frame itself passes within a stance and a half."""
     for seed in range(5):
         motion, trajectory = walk((Leg(14.0),), level, seed)
-        steps, (knots, way) = find_steps(trajectory), true_knots(motion)
+        steps, (knots, way) = find_steps(trajectory), motion.knots()
         at = dict(zip((0, 2, 8, 10), np.interp([0, 2, 8, 10], way, knots), strict=True))
         static = ten_metre_walk(steps, start="static")
         rolling = ten_metre_walk(steps, start="rolling")
@@ -306,7 +305,7 @@ def test_distance_in_a_time():
     motion, trajectory = walk(CORRIDOR, "realistic", 1)
     steps = find_steps(trajectory)
     test = six_minute_walk(steps, duration_s=60)
-    knots, way = true_knots(motion)
+    knots, way = motion.knots()
     true = np.interp(knots[0] + 60, knots, way)
     assert abs(test.distance_m / true - 1) < 0.02 and np.isclose(test.duration_s, 60)
     with pytest.raises(InputError, match=r"goes on for 7[0-9].* expected at least 360 s"):
@@ -322,7 +321,7 @@ def test_timed_up_and_go(level):
     for seed in range(5):
         motion, trajectory = walk(TIMED_UP_AND_GO, level, seed)
         steps = find_steps(trajectory)
-        lift, place, _, turn = true_steps(motion)
+        lift, place, _, turn = motion.step_table().to_numpy().T
         phases = timed_up_and_go(steps)
         turning = np.nonzero(turn)[0]
         first, second = turning[:6], turning[6:]

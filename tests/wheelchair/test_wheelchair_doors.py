@@ -195,7 +195,7 @@ def test_inputs_of_another_kind_are_named():
         estimate_velocity(drive, calibration.mount, SAMPLE_CHAIR)
     with pytest.raises(InputError, match="settings: got str"):
         estimate_velocity(drive, SAMPLE_CHAIR, calibration.mount, "printed")
-    with pytest.raises(InputError, match="recording: got str"):
+    with pytest.raises(InputError, match="recording 0: got str"):
         estimate_velocity(["drive.csv"], SAMPLE_CHAIR, calibration.mount)
     with pytest.raises(InputError, match="drive: got ndarray without time_s"):
         identify_tasks(np.ones(100))

@@ -372,7 +372,7 @@ def test_uneven_clocks_and_unequal_series_of_a_drive_are_refused(court):
     gap = drive.time_s + np.where(np.arange(len(drive)) > 99, 5.0, 0.0)
     with pytest.raises(InputError, match=r"time_s: gap of 5.01 s after 0.99 s"):
         identify_tasks(replace(drive, time_s=gap))
-    with pytest.raises(InputError, match="yaw_rate_radps: expected 5250 samples"):
+    with pytest.raises(InputError, match=r"yaw_rate_radps: expected shape \(5250,\)"):
         identify_tasks(replace(drive, yaw_rate_radps=drive.yaw_rate_radps[:-1]))
 
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.frames import FloatArray, one_of
-from mobility_imu.scooter.calibration import ScooterCalibration, mount_from_poses, parked_poses
+from mobility_imu.scooter.calibration import (
+    ParkedPose,
+    ScooterCalibration,
+    mount_from_poses,
+    parked_poses,
+)
 from mobility_imu.scooter.geometry import SUZUKI_ET4D
 from mobility_imu.simulation.scooter import (
     PARKED_POSES_RAD,
@@ -29,6 +34,20 @@ PLACES_DEG = {
 """Pitch and roll of the places where one parks; the calibration is not told them."""
 
 
+@lru_cache(maxsize=256)
+def _parked(unit: ScooterUnit, k: int, place_deg: tuple[float, float]) -> tuple[ParkedPose, ...]:
+    """Poses at the k-th place; several sets of places share it, so it is simulated once."""
+    pitch, bank = np.deg2rad(place_deg)
+    parked = simulate_parked(
+        PARKED_POSES_RAD,
+        pitch_rad=pitch,
+        bank_rad=bank,
+        seed=100 * unit.unit_seed + k,
+        unit=unit,
+    )
+    return tuple(parked_poses(parked, PARKED_POSES_RAD))
+
+
 def park_and_calibrate(unit: ScooterUnit, places: str) -> ScooterCalibration:
     """Calibration of a drawn scooter that is parked at the named places.
 
@@ -42,16 +61,7 @@ def park_and_calibrate(unit: ScooterUnit, places: str) -> ScooterCalibration:
     ScooterCalibration
     """
     one_of("places", places, PLACES_DEG)
-    poses = []
-    for k, (pitch, bank) in enumerate(np.deg2rad(PLACES_DEG[places])):
-        parked = simulate_parked(
-            PARKED_POSES_RAD,
-            pitch_rad=pitch,
-            bank_rad=bank,
-            seed=100 * unit.unit_seed + k,
-            unit=unit,
-        )
-        poses += parked_poses(parked, PARKED_POSES_RAD)
+    poses = [pose for k, place in enumerate(PLACES_DEG[places]) for pose in _parked(unit, k, place)]
     return mount_from_poses(poses, SUZUKI_ET4D)
 
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.arguments import settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, shown
 from mobility_imu.simulation.checks import check_kind, check_ranges
 from mobility_imu.simulation.profiles import least_jerk, window
 from mobility_imu.simulation.seeds import stream
@@ -85,9 +86,10 @@ def simulate_tilts(
         If there is no tilt, a direction is unknown, or the seed is negative or not whole.
     """
     check_kind(geometry, WalkerGeometry, "geometry")
-    style = style or TiltStyle()
-    if isinstance(order, str) or not len(order):
-        raise InputError(f"order = {order!r}: expected at least one direction in a sequence")
+    style = settings_or_default("style", style, TiltStyle)
+    check_kind(imperfections, Imperfections, "imperfections")
+    if isinstance(order, str) or not isinstance(order, Sequence) or not order:
+        raise InputError(f"order = {shown(order)}: expected at least one direction in a sequence")
     edges = [geometry.edge(direction) for direction in order]
     slips, twists, tremors = (stream(seed, 31, k) for k in range(1, 4))
     tilts, end_s = _drawn_tilts(order, style, stream(seed, 31))
@@ -164,6 +166,8 @@ def measured_geometry(
     -------
     WalkerGeometry
     """
+    check_kind(geometry, WalkerGeometry, "geometry")
+    check_kind(imperfections, Imperfections, "imperfections")
     width, length = imperfections.tape_m * stream(seed, 33).standard_normal(2)
     return WalkerGeometry(
         geometry.footprint_width_m + float(width), geometry.footprint_length_m + float(length)

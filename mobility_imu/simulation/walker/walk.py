@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.arguments import settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number
-from mobility_imu.simulation.checks import check_ranges
+from mobility_imu.frames import FloatArray, as_number, shown
+from mobility_imu.simulation.checks import check_kind, check_ranges
 from mobility_imu.simulation.profiles import hump, smooth, window
 from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.walker.motion import (
@@ -100,6 +101,10 @@ OUT_AND_BACK_30 = (Leg(30.0, np.pi), Leg(30.0, np.pi))
 """Up and down a 30 m hallway, as in a 6-Minute Walk Test (with ``duration_s=360``)."""
 
 
+LONGEST_WALK_S = 36000.0
+"""Nobody walks for longer without a pause."""
+
+
 def simulate_walk(
     path: Sequence[Leg],
     *,
@@ -132,13 +137,19 @@ def simulate_walk(
         If the path is empty or has no length, the duration is not positive, or the seed is
         negative or not whole.
     """
-    style = style or WalkStyle()
-    if not len(path) or any(not isinstance(leg, Leg) for leg in path):
-        raise InputError(f"path = {path!r:.60}: expected at least one Leg in a sequence")
+    style = settings_or_default("style", style, WalkStyle)
+    check_kind(imperfections, Imperfections, "imperfections")
+    legs = isinstance(path, Sequence) and len(path) and all(isinstance(leg, Leg) for leg in path)
+    if not legs:
+        raise InputError(f"path = {shown(path)}: expected at least one Leg in a sequence")
     if not sum(leg.length_m for leg in path) > 0:
         raise InputError("path: expected at least one leg with a length")
     if duration_s is not None:
         duration_s = as_number(duration_s, "duration_s")
+        if duration_s > LONGEST_WALK_S:
+            raise InputError(
+                f"duration_s = {duration_s:g}: expected up to {LONGEST_WALK_S:g} s, ten hours"
+            )
     rocks, creeps, misses, landings, rings = (stream(seed, 32, k) for k in range(1, 6))
     plan = _plan(path, style, stream(seed, 32), duration_s)
     places = _places(plan, imperfections, misses, creeps)

@@ -24,7 +24,7 @@ from mobility_imu.frames import (
     check_positive,
     one_of,
 )
-from mobility_imu.recording import Imu
+from mobility_imu.recording import HIGHEST_RATE_HZ, Imu
 from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.simulation.checks import check_kind
@@ -110,7 +110,11 @@ def random_mounting(seed: int) -> dict[str, Mounting]:
     }
 
 
-def check_legs(legs: Sequence[Leg], transition_s: float) -> None:
+SHORTEST_CHANGE_S = 1e-3
+"""A shorter change of speed is a blow, no motion that can be sampled."""
+
+
+def check_legs(legs: Sequence[Leg], transition_s: float) -> float:
     """Check that there are legs, and that each is long enough for a change.
 
     Parameters
@@ -118,14 +122,24 @@ def check_legs(legs: Sequence[Leg], transition_s: float) -> None:
     legs : of Leg
     transition_s : s, length of a change
 
+    Returns
+    -------
+    float, s, length of a change
+
     Raises
     ------
     InputError
         If there is no leg, a leg is shorter than a change, or the length of a change is no
-        positive number.
+        positive number of a millisecond or more.
     """
-    as_number(transition_s, "transition_s")
-    if not len(legs):
+    transition_s = as_number(transition_s, "transition_s")
+    if transition_s < SHORTEST_CHANGE_S:
+        raise InputError(
+            f"transition_s = {transition_s:g}: expected {SHORTEST_CHANGE_S:g} s or more"
+        )
+    if not isinstance(legs, Sequence):
+        raise InputError(f"legs: got {type(legs).__name__}, expected a list of Leg")
+    if not legs:
         raise InputError("legs: none, expected at least one Leg")
     for leg in legs:
         check_kind(leg, Leg, "legs")
@@ -133,6 +147,29 @@ def check_legs(legs: Sequence[Leg], transition_s: float) -> None:
             raise InputError(
                 f"leg of {leg.duration_s} s is shorter than a change of {transition_s} s"
             )
+    return transition_s
+
+
+def checked_rate(sampling_rate_hz: float) -> float:
+    """Check that a sampling rate is one that a recording can have.
+
+    Parameters
+    ----------
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    float, Hz
+
+    Raises
+    ------
+    InputError
+        If it is no positive number, or higher than that of any IMU.
+    """
+    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    if rate > HIGHEST_RATE_HZ:
+        raise InputError(f"sampling_rate_hz = {rate:g}: expected up to {HIGHEST_RATE_HZ:g} Hz")
+    return rate
 
 
 def stepped(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_count, as_number
 from mobility_imu.recording import Imu, Recording
@@ -21,6 +22,7 @@ from mobility_imu.simulation.wheelchair.chair import (
     Mounting,
     check_legs,
     check_mounting,
+    checked_rate,
     frame_imu,
     sloping,
     stepped,
@@ -115,19 +117,21 @@ def simulate_court(
         of a sensor is missing, the model loses samples, a number is out of its range, or a seed
         is negative or not whole.
     """
-    check_legs(legs, transition_s)
+    transition_s = check_legs(legs, transition_s)
     check_mounting(mounting)
     check_kind(geometry, WheelchairGeometry, "geometry")
-    sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+    sampling_rate_hz = checked_rate(sampling_rate_hz)
     if abs(as_number(toe_rad, "toe_rad", negative=True)) > np.pi / 4:
         raise InputError(f"toe_rad = {toe_rad:g}: expected up to pi/4 (in deg?)")
     seeds = as_count(seed, "seed", least=0), as_count(unit_seed, "unit_seed", least=0)
     _check_model(model)
+    _check_slips(slips)
     count = round(sum(leg.duration_s for leg in legs) * sampling_rate_hz)
     # A sensor model samples by itself, out of something faster.
     finer = 1 if model is None else FINER
     time_s = np.arange((count - 1) * finer + 1) / (sampling_rate_hz * finer)
-    motion, pitch, onsets = _motion(legs, pushing or Pushing(), time_s, transition_s)
+    pushing = settings_or_default("pushing", pushing, Pushing)
+    motion, pitch, onsets = _motion(legs, pushing, time_s, transition_s)
     rim = {side: _slipped(slips, side, time_s) for side in SIDES}
     imus = {"frame": frame_imu(motion, mounting["frame"])}
     for side in SIDES:
@@ -157,6 +161,13 @@ def simulate_court(
         pitch_rad=pitch[::finer],
         push_onset_s=onsets,
     )
+
+
+def _check_slips(slips: Sequence[SlipEpisode]) -> None:
+    if not isinstance(slips, Sequence):
+        raise InputError(f"slips: got {type(slips).__name__}, expected a list of SlipEpisode")
+    for slip in slips:
+        check_kind(slip, SlipEpisode, "slips")
 
 
 def _check_model(model: SensorModel | None) -> None:

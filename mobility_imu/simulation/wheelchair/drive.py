@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number
+from mobility_imu.frames import FloatArray, as_number, shown
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.simulation.checks import check_kind
@@ -23,6 +23,7 @@ from mobility_imu.simulation.wheelchair.chair import (
     Mounting,
     check_legs,
     check_mounting,
+    checked_rate,
     frame_imu,
     sloping,
     stepped,
@@ -131,18 +132,18 @@ def simulate_drive(
         If there is no leg, a leg is shorter than a change or slopes, the mounting of a sensor is
         missing, a number is out of its range, or the seed is negative or not whole.
     """
-    check_legs(legs, transition_s)
+    transition_s = check_legs(legs, transition_s)
     check_mounting(mounting)
     check_kind(geometry, WheelchairGeometry, "geometry")
-    sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+    sampling_rate_hz = checked_rate(sampling_rate_hz)
     if as_number(push_share, "push_share", zero=True) >= 1:
         raise InputError(f"push_share = {push_share:g}: expected from 0 to below 1")
-    as_number(push_rate_hz, "push_rate_hz")
-    if noise == IDEAL:
+    push_rate_hz = as_number(push_rate_hz, "push_rate_hz")
+    if isinstance(noise, SensorModel) and noise == IDEAL:
         noise = SensorNoise()
     if not isinstance(noise, SensorNoise):
         raise InputError(
-            f"noise = {noise!r:.60}: expected SensorNoise or IDEAL; simulate_court takes any model"
+            f"noise = {shown(noise)}: expected SensorNoise or IDEAL; simulate_court takes any model"
         )
     for leg in legs:
         if leg.slope_deg:

@@ -9,6 +9,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import as_count, as_number
+from mobility_imu.results import Result
 from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.sensor import SensorModel
 from mobility_imu.simulation.wheelchair.chair import Leg, Mounting, random_mounting
@@ -18,8 +19,8 @@ from mobility_imu.simulation.wheelchair.pushing import Pushing, SlipEpisode
 from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry
 
 
-@dataclass(frozen=True)
-class Court:
+@dataclass(frozen=True, eq=False, repr=False)
+class Court(Result):
     """All that a court consists of; every drive of it has the same chair and sensors.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Output files: checked before a command works, and written all or none.
+"""Names of files, and output files: checked before the work begins, written all or none.
 
 An output is a regular file or a new name. It never replaces an input of the same command, under
 whatever name, nor a file that a stream of the command goes to; two outputs are never one file.
@@ -131,6 +131,45 @@ class Outputs:
                 )
             taken[key] = option
         return places
+
+
+def as_path(path: str | os.PathLike[str], name: str = "path") -> Path:
+    """Check that a value is the name of a file.
+
+    Parameters
+    ----------
+    path : str or Path
+    name : what to call it in the error message
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    InputError
+        If it is something else.
+    """
+    if not isinstance(path, str | os.PathLike) or not isinstance(os.fspath(path), str):
+        raise InputError(f"{name}: got {type(path).__name__}, expected the name of a file")
+    return Path(path)
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text file, whole or not at all; an existing file is replaced and keeps its mode.
+
+    Parameters
+    ----------
+    path : str or Path
+    text : its content
+
+    Raises
+    ------
+    InputError
+        If it cannot be written, or something else than a regular file has this name.
+    """
+    target = as_path(path)
+    Outputs({"path": target}).write({target: text.encode()})
 
 
 def csv_bytes(table: pd.DataFrame, path: Path) -> bytes:
@@ -315,5 +354,9 @@ def _naming(path: Path) -> Iterator[None]:
     """Turn errors of the system into one line that names the output."""
     try:
         yield
+    except InputError:
+        raise
+    except ValueError as error:  # a character that no name can have
+        raise InputError(f"{path}: cannot be written ({error})") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
