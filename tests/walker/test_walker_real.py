@@ -115,6 +115,23 @@ def test_walks_are_one_metre_to_ten_long_and_sure_of_it():
         assert not any("no rest for" in text for text in trajectory.warnings)
 
 
+ROLLED = find_folder("terrain-chair")
+
+
+@pytest.mark.skipif(ROLLED is None, reason="terrain-chair is not here (fetch)")
+@pytest.mark.parametrize("name", ["grass_donut", "asphalt_straight", "sidewalk_donut"])
+def test_a_frame_that_rolls_on_real_ground_does_not_pass_for_still(name):
+    """The frame of a chair stands for one on wheels: shaken by the ground, it finds no rest."""
+    recording = read_recording(ROLLED / f"{name}.csv.gz")
+    first = recording.sensor("frame").acc_mps2[:100].mean(axis=0)
+    upright, _ = Rotation.align_vectors([[0, 0, 1]], [first])
+    found = estimate_trajectory(recording, None, WalkerMount(upright.as_matrix(), [0.0, 0.0, 0.0]))
+    wheel = np.abs(recording.gyroscope("left_wheel")).max(axis=1)[-len(found) :]
+    assert np.mean(found.stationary[wheel > 1.0]) < 0.02
+    assert any(text.startswith("no rest for more than 5 s") for text in found.warnings)
+    assert any("was it rolled" in text for text in found.warnings)
+
+
 # Feet under motion capture.
 
 
