@@ -78,22 +78,14 @@ def navigate_recording(
     one_of("smooth", smooth, (True, False))
     if closed_loop is not None and not smooth:
         raise InputError("closed_loop needs the smoother: it cannot be had with smooth=False")
-    imu, gyr = recording.sensor("frame", gyroscope=True), recording.gyroscope("frame")
+    _check_rate_and_size(recording)
+    imu, gyr = recording.sensor("frame"), recording.gyroscope("frame")
     rate_hz = recording.sampling_rate_hz
-    if not LEAST_RATE_HZ <= rate_hz:
-        raise InputError(
-            f"{recording.source}: {rate_hz:g} samples per second, expected {LEAST_RATE_HZ:g} or "
-            "more (is time_s in ms?)"
-        )
-    _check_size(recording)
     cut, warnings = _faulty_samples(recording)
     offset = _offset(recording, settings, stillness)
     if offset.any():
         gyr = gyr - offset
-        shown = ", ".join(f"{k} {v:.2f}" for k, v in zip("xyz", np.rad2deg(offset), strict=True))
-        warnings.append(
-            f"{recording.source}: the gyroscope has an offset ({shown} deg/s), which is taken off"
-        )
+        warnings.append(f"{recording.source}: {_stated(offset)}")
     if rests is None:
         still = find_stillness(imu.acc_mps2, gyr, rate_hz, stillness)
     else:
@@ -150,9 +142,20 @@ def _offset(
     return found.offset_radps
 
 
-def _check_size(recording: Recording) -> None:
-    """Check that no single acceleration is larger than any sensor's."""
-    acc = recording.sensor("frame").acc_mps2
+def _stated(offset_radps: FloatArray) -> str:
+    shown = (f"{k} {v:.2f}" for k, v in zip("xyz", np.rad2deg(offset_radps), strict=True))
+    return f"the gyroscope has an offset ({', '.join(shown)} deg/s), which is taken off"
+
+
+def _check_rate_and_size(recording: Recording) -> None:
+    """Check the sampling rate, and that no single acceleration is larger than any sensor's."""
+    acc = recording.sensor("frame", gyroscope=True).acc_mps2
+    rate_hz = recording.sampling_rate_hz
+    if not LEAST_RATE_HZ <= rate_hz:
+        raise InputError(
+            f"{recording.source}: {rate_hz:g} samples per second, expected {LEAST_RATE_HZ:g} or "
+            "more (is time_s in ms?)"
+        )
     beyond = np.abs(acc) > LARGEST_ACC_MPS2
     if beyond.any():
         k, axis = (int(index[0]) for index in np.nonzero(beyond))
