@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
@@ -13,7 +13,7 @@ from mobility_imu.executors import run_all
 from mobility_imu.frames import as_flags, as_floats, shown
 from mobility_imu.recording import Recording
 
-__all__ = ["check_columns", "expect", "for_each", "settings_or_default"]
+__all__ = ["check_columns", "check_limits", "expect", "for_each", "settings_or_default"]
 
 Found = TypeVar("Found")
 Settings = TypeVar("Settings")
@@ -131,6 +131,27 @@ def check_columns(result: Any, *names: str, flags: Sequence[str] = ()) -> None:
     for name in flags:
         given = as_flags(getattr(result, name), _label(result, name), length=shape[0])
         object.__setattr__(result, name, given)
+
+
+def check_limits(settings: Any, limits: Mapping[str, tuple[float, float]]) -> None:
+    """Check that fields of settings lie between limits, beyond which nothing can be computed.
+
+    Parameters
+    ----------
+    settings : dataclass, in its ``__post_init__``; the fields are numbers
+    limits : name of a field to its smallest and largest value
+
+    Raises
+    ------
+    InputError
+        If a field lies outside; the message names class, field and limits.
+    """
+    for name, (low, high) in limits.items():
+        value = getattr(settings, name)
+        if not low <= value <= high:
+            raise InputError(
+                f"{_label(settings, name)} = {shown(value)}: expected between {low:g} and {high:g}"
+            )
 
 
 def _label(result: Any, name: str) -> str:

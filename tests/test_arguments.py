@@ -242,3 +242,49 @@ def test_a_comment_stays_one_line(tmp_path):
     mount.to_toml(tmp_path / "m.toml", comment="by hand\n[walker]\x00\rx = 1")
     again = walker.WalkerMount.from_toml(tmp_path / "m.toml")
     np.testing.assert_array_equal(again.rotation_imu_to_body, mount.rotation_imu_to_body)
+
+
+@pytest.mark.parametrize(
+    ("kind", "field"),
+    [
+        (walker.NavigationSettings, "gyr_noise_radps_sqrthz"),
+        (walker.NavigationSettings, "acc_bias_walk_mps2_sqrts"),
+        (walker.NavigationSettings, "upright_rad"),
+        (walker.ClosedLoop, "position_sd_m"),
+        (walker.StillnessSettings, "mean_s"),
+        (walker.StillnessSettings, "margin_s"),
+        (wheelchair.PushSettings, "smoothing_s"),
+    ],
+)
+def test_sizes_that_cannot_be_computed_with_are_refused(kind, field):
+    for value in (1e300, 1e155, 1e9):
+        with pytest.raises(InputError, match=rf"{kind.__name__}.{field} = .*: expected between"):
+            kind(**{field: value})
+
+
+def test_strides_fit_their_integers():
+    with pytest.raises(InputError, match=r"moving_stride = 1000\d*\.\.\.: expected between 1 and"):
+        walker.NavigationSettings(moving_stride=10**400)
+
+
+def test_a_walking_test_goes_forward_and_knows_its_settings():
+    with pytest.raises(InputError, match=r"stop_s = 1: expected after start_s, 2"):
+        walker.WalkTest(2.0, 1.0, 3.0, 4)
+    with pytest.raises(InputError, match="step_count = 'four'"):
+        walker.WalkTest(0.0, 1.0, 3.0, "four")
+    assert walker.WalkTest(0.0, 2.0, 3.0, 4).settings == walker.GaitSettings()
+
+
+@pytest.mark.parametrize("camber_rad", [-0.1, 0.0, np.deg2rad(19), np.deg2rad(35)])
+def test_cambers_at_the_limits_go_through_a_file(camber_rad, tmp_path):
+    chair = wheelchair.WheelchairGeometry(camber_rad, 0.3, 0.3, 1.0)
+    chair.to_toml(tmp_path / "g.toml")
+    again = wheelchair.WheelchairGeometry.from_toml(tmp_path / "g.toml")
+    assert again.camber_rad == pytest.approx(camber_rad, abs=1e-12)
+
+
+def test_tilts_and_drawn_courts_can_be_kept_in_sets_and_printed():
+    tilt = walker.Tilt("left", slice(0, 9), 4, 0.5)
+    court = chairs.random_court(1)
+    assert len({tilt, walker.Tilt("left", slice(0, 9), 4, 0.5)}) == 1 and len({court}) == 1
+    assert "\n" not in repr(court) and len(repr(court)) < 300

@@ -119,7 +119,7 @@ def navigate_recording(
         raise InputError(f"{recording.source}: {error}") from None
     if offset.any():
         path = replace(path, gyr_bias_radps=path.gyr_bias_radps + offset)
-    return path, (*warnings, *_inconsistent_rests(path, recording.source))
+    return path, (*warnings, *path.warnings, *_inconsistent_rests(path, recording.source))
 
 
 def _offset(

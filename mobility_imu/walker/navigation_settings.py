@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mobility_imu.arguments import check_limits
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, as_count, check_positive, one_of
 from mobility_imu.walker import eskf
 from mobility_imu.walker.error_state import FORMS, Form
@@ -13,6 +14,9 @@ from mobility_imu.walker.error_state import FORMS, Form
 __all__ = ["ClosedLoop", "NavigationSettings"]
 
 _DEG = float(np.deg2rad(1))
+SIZES = 1e-12, 1e6
+"""Smallest and largest size of a setting: beyond these, squares in the filter lose all digits."""
+LONGEST_STRIDE = 10**6
 
 
 @dataclass(frozen=True)
@@ -83,18 +87,21 @@ class NavigationSettings:
         for name in ("zero_rate", "initial_gyr_mean"):
             flag = one_of(f"NavigationSettings.{name}", getattr(self, name), (True, False))
             object.__setattr__(self, name, flag)
+        sizes = dict.fromkeys((n for n in vars(self) if n not in others), SIZES)
+        strides = dict.fromkeys(("moving_stride", "resting_stride"), (1, LONGEST_STRIDE))
+        check_limits(self, {**sizes, **strides, "upright_rad": (SIZES[0], np.pi)})
 
     @classmethod
     def for_foot(cls) -> NavigationSettings:
         """Settings for a sensor on a foot instead of a frame.
 
-        A foot that stands still turns, rolls over its ball and is hit by the floor 36 times a
-        minute and more; a frame that is set down does none of this. So no zero-rate updates, a
-        gyroscope's offset that is not read from the first rest, in which a person sways by some
-        deg/s, but assumed to be as small as data sheets of calibrated sensors say (0.25 deg/s, LORD
-        3DM-GX3-25; take a larger one off first), stands that slide by millimetres per second, and
-        larger noise for what 100 to 200 samples per second leave of a heel strike. The sizes were
-        chosen on half of 28 public walks with motion capture; the rests were given.
+        A foot that stands still turns and slides a little, and the floor hits it at each step; a
+        frame that is set down does neither. Therefore: no zero-rate updates; a standing foot moves
+        by millimetres per second; larger noise factors for what 200 samples per second leave of the
+        hits. The gyroscope's offset is assumed to be as small as a data sheet says (0.25 deg/s,
+        LORD 3DM-GX3-25), since a person who waits at the start sways by more;
+        :func:`mobility_imu.walker.estimate_trajectory` takes off a larger one that longer rests
+        show. The sizes were chosen on half of 28 public walks with motion capture and given rests.
 
         Returns
         -------
@@ -148,3 +155,4 @@ class ClosedLoop:
     def __post_init__(self) -> None:
         """Check both."""
         check_positive(self)
+        check_limits(self, dict.fromkeys(vars(self), SIZES))

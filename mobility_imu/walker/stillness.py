@@ -13,11 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from mobility_imu.arguments import settings_or_default
+from mobility_imu.arguments import check_limits, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_vectors, check_positive
 
 __all__ = ["StillnessSettings", "find_stillness", "stillness_signals"]
+
+
+LONGEST_S = 60.0
+"""No mean or margin is longer; nobody stands for a minute between two steps."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +47,9 @@ class StillnessSettings:
 
     def __post_init__(self) -> None:
         """Check that the limits are positive and no length negative."""
-        check_positive(self, allow_zero=("mean_s", "local_mean_s", "margin_s", "shorten_s"))
+        lengths = ("mean_s", "local_mean_s", "margin_s", "shorten_s")
+        check_positive(self, allow_zero=lengths)
+        check_limits(self, dict.fromkeys(lengths, (0.0, LONGEST_S)))
 
     @property
     def eroded_s(self) -> float:

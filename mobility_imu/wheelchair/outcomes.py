@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mobility_imu.arguments import check_columns, expect, settings_or_default
+from mobility_imu.arguments import check_columns, check_limits, expect, settings_or_default
 from mobility_imu.frames import FloatArray, as_clock, as_number, as_series, check_positive
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of
@@ -169,6 +169,7 @@ class PushSettings:
     def __post_init__(self) -> None:
         """Check the numbers."""
         check_positive(self)
+        check_limits(self, {"smoothing_s": (1e-6, 60.0), "shortest_cycle_s": (1e-6, 3600.0)})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
