@@ -75,6 +75,12 @@ def trajectory(
     steps: Annotated[
         Path | None, typer.Option(help="Also write a table of the steps to this CSV file.")
     ] = None,
+    rests: Annotated[
+        Path | None,
+        typer.Option(
+            help="CSV time_s,stationary (0 or 1): the rests, where they are known; a path.csv does."
+        ),
+    ] = None,
     smooth: Smooth = True,
     closed_loop: Annotated[
         bool,
@@ -93,18 +99,22 @@ def trajectory(
     if closed_loop and not smooth:
         raise InputError("--closed-loop needs the smoother: it cannot be had with --no-smooth")
     from mobility_imu.readers import read_recording, recording_files
+    from mobility_imu.readers.rests import read_rests
     from mobility_imu.walker import ClosedLoop, WalkerMount, estimate_trajectory, find_steps
 
-    files = (*recording_files(walk), geometry)
+    files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
+    recording = read_recording(walk, fill_gaps_s=fill_gaps_s)
+    known = None if rests is None else read_rests(rests, recording.time_s)
     try:
         found = estimate_trajectory(
-            read_recording(walk, fill_gaps_s=fill_gaps_s),
+            recording,
             _footprint(geometry),
             mount,
             smooth=smooth,
             closed_loop=ClosedLoop() if closed_loop else None,
+            rests=known,
         )
     except InputError as error:
         raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from mobility_imu.plots.style import COLOURS, CYCLE, HATCHES, LINE_STYLES, cue, use_style
 from mobility_imu.runs import runs_of
 from mobility_imu.walker.steps import Steps
-from mobility_imu.walker.stillness import stillness_signals
+from mobility_imu.walker.stillness import StillnessSettings, stillness_signals
 from mobility_imu.walker.walking_tests import TUG_PHASES, TimedUpAndGo
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def plot_step_signals(
     """
     import matplotlib.pyplot as plt
 
-    settings = trajectory.stillness
+    settings = trajectory.stillness or StillnessSettings()
     rate, deviation = stillness_signals(
         recording.sensor("frame").acc_mps2,
         recording.gyroscope("frame"),

@@ -43,9 +43,10 @@ Matrix = tuple[float, float, float, float, float, float, float, float, float]
 POS, VEL, GYR, ACC = 4, 7, 10, 13  # in a row of states
 D_GYR, D_POS, D_VEL, D_ACC = 3, 6, 9, 12  # in the error state
 HEIGHT = D_POS + 2
+XY = 15  # in a row of variances, after those of the error state: covariance of x and y
 ROW, DIAGONAL, SIZE = 16, 17, 240  # of a flat matrix: from row to row, along the diagonal, numbers
 # Order of the noise's squared densities, see eskf.Noise.
-N_GYR, N_ACC, N_GYR_WALK, N_ACC_WALK, N_VELOCITY, N_HEIGHT, N_RATE, N_SATURATED = range(8)
+N_GYR, N_ACC, N_GYR_WALK, N_ACC_WALK, N_VELOCITY, N_HEIGHT, N_RATE, N_LONG, N_SATURATED = range(9)
 
 # A product and the sum after it may be rounded once instead of twice ("contract"), nothing else.
 _compiled = compiled(fastmath={"contract"}, error_model="numpy")
@@ -336,7 +337,8 @@ def observe(
 
 @_compiled
 def run_filter(
-    acc: FloatArray, gyr: FloatArray, still: NDArray[np.bool_], saturated: NDArray[np.bool_],
+    acc: FloatArray, gyr: FloatArray, still: NDArray[np.bool_], long_move: NDArray[np.bool_],
+    saturated: NDArray[np.bool_],
     observed: FloatArray, dt: FloatArray, ends: NDArray[np.int64], noise: FloatArray,
     zero_rate: bool, sign: float, coupling: float, upright_cos: float, work: FloatArray,
     states: FloatArray, covariances: FloatArray, transitions: FloatArray, innovations: FloatArray,
@@ -371,8 +373,9 @@ def run_filter(
                     phi[i] = other[i]
         sandwich(phi, p, other, spare)
         symmetrise(p)
-        force = noise[N_SATURATED] * h if saturated[begin] else noise[N_ACC]
-        add_noise(p, noise, force, h, end - begin, fraction)
+        more = noise[N_LONG] if long_move[begin] else 1.0
+        force = noise[N_SATURATED] * h if saturated[begin] else noise[N_ACC] * more
+        add_noise(p, noise, force, h, end - begin, fraction * more)
         if rest:
             now = matrix_of(states[end, 0], states[end, 1], states[end, 2], states[end, 3])
             upright = now[6] * up[6] + now[7] * up[7] + now[8] * up[8] > upright_cos
@@ -465,6 +468,9 @@ def run_smoother(
         for k in range(15):
             for i in range(15):
                 variances[g, i] -= p[ROW * k + i] * lambda_p[ROW * k + i]
+        variances[g, XY] = p[ROW * D_POS + D_POS + 1]
+        for k in range(15):
+            variances[g, XY] -= p[ROW * k + D_POS] * lambda_p[ROW * k + D_POS + 1]
         if g == 0:
             break
         observed = False

@@ -43,6 +43,7 @@ __all__ = [
     "process_noise",
     "smooth",
     "update",
+    "variances_of",
     "zero_updates",
 ]
 
@@ -53,7 +54,10 @@ _EYE3, _EYE15 = np.eye(3), np.eye(15)
 
 
 class Noise(NamedTuple):
-    """Assumed noise: squares of the densities (per root of Hz; bias walks per root of s)."""
+    """Assumed noise: squares of the densities (per root of Hz; bias walks per root of s).
+
+    The last is a factor: of gyr and acc in a move that is too long for one of a frame.
+    """
 
     gyr: float
     acc: float
@@ -62,6 +66,7 @@ class Noise(NamedTuple):
     velocity: float
     height: float
     rate: float
+    long_move: float
 
 
 class Problem(NamedTuple):
@@ -71,6 +76,7 @@ class Problem(NamedTuple):
     gyr: FloatArray  # (n, 3) rad/s
     dt: FloatArray  # (n,) s, length of the intervals
     still: NDArray[np.bool_]  # (n,)
+    long_move: NDArray[np.bool_]  # (n,) whether the move is too long for one of a frame
     saturated: NDArray[np.bool_]  # (n,)
     observed: FloatArray  # (n, 4) velocity and height that the updates observe; (1, 4): always
     ends: NDArray[np.int64]  # (m,) sample after each stride's last
@@ -340,9 +346,12 @@ def run_filter(problem: Problem, start: NavigationState, covariance: FloatArray)
     for g, end in enumerate(problem.ends.tolist()):
         stride, rest = slice(begin, end), bool(problem.still[begin])
         fraction = motion_fraction(problem.noise) if rest and problem.zero_rate else 1.0
+        noise = problem.noise
+        if problem.long_move[begin]:
+            noise = noise._replace(gyr=noise.gyr * noise.long_move, acc=noise.acc * noise.long_move)
         path, phi, covariance = predict(
             state, covariance, problem.acc[stride], problem.gyr[stride], problem.dt[stride],
-            problem.noise, fraction=fraction, saturated=bool(problem.saturated[begin]),
+            noise, fraction=fraction, saturated=bool(problem.saturated[begin]),
             form=problem.form,
         )  # fmt: skip
         state, done = path[-1], None
@@ -382,14 +391,14 @@ def run_smoother(
 
     Returns
     -------
-    (n + 1, 16) states, (m + 1, 15) variances at the strides' ends
+    (n + 1, 16) states, (m + 1, 16) variances at the strides' ends, see :func:`variances_of`
     """
     bounds = [0, *problem.ends.tolist()]
     errors = np.empty((bounds[-1] + 1, 15))
-    variances, before_update = np.empty((len(bounds), 15)), np.zeros(15)
+    variances, before_update = np.empty((len(bounds), 16)), np.zeros(15)
     for g in range(len(bounds) - 1, -1, -1):
         error, spread = smooth(filtered.covariances[g], mu, big_lambda)
-        errors[bounds[g]], variances[g] = error, np.maximum(np.diagonal(spread), 0)
+        errors[bounds[g]], variances[g] = error, variances_of(spread)
         if g < len(bounds) - 1:
             inside = np.arange(1, bounds[g + 1] - bounds[g])[:, None]
             later = inside / (bounds[g + 1] - bounds[g])
@@ -405,6 +414,22 @@ def run_smoother(
     for k, error in enumerate(errors):
         states[k] = as_row(corrected_state(from_row(filtered.states[k]), error))
     return states, variances
+
+
+def variances_of(covariances: FloatArray) -> FloatArray:
+    """Variances of the error state, (..., 15), and after them the covariance of x and y.
+
+    Parameters
+    ----------
+    covariances : (..., 15, 15) array
+
+    Returns
+    -------
+    (..., 16) array
+    """
+    diagonal = np.maximum(np.diagonal(covariances, axis1=-2, axis2=-1), 0)  # rounding
+    x, y = POSITION.start, POSITION.start + 1
+    return np.concatenate([diagonal, covariances[..., x, y, None]], axis=-1)
 
 
 def stride_ends(

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, one_of
+from mobility_imu.frames import FloatArray, as_flags, one_of
+from mobility_imu.offsets import rest_offsets
 from mobility_imu.quality import frozen_samples, saturated_samples
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
@@ -32,6 +35,8 @@ _STEADY_RADPS = 0.01
 """Scatter of a resting gyroscope is below this; in deg/s it would be above."""
 _LOCAL = 0.1
 """Innovations that lie in so small a fraction of the rests have a cause there, not throughout."""
+_HARMLESS = 1 / 2
+"""Up to this fraction of the detector's limit, an offset of the gyroscope is left to the filter."""
 
 
 def navigate_recording(
@@ -41,18 +46,24 @@ def navigate_recording(
     settings: NavigationSettings | None = None,
     stillness: StillnessSettings | None = None,
     closed_loop: ClosedLoop | None = None,
+    rests: ArrayLike | None = None,
 ) -> tuple[Navigation, tuple[str, ...]]:
     """Stillness and path of a recording's sensor "frame", with warnings.
+
+    An offset of the gyroscope that would hide the rests from the detector is found from the times
+    in which neither rate nor force changes, and taken off first.
 
     Parameters
     ----------
     recording : Recording with a sensor "frame"
     smooth, settings, closed_loop : see :func:`mobility_imu.walker.navigation.navigate`
     stillness : StillnessSettings
+    rests : (n,) flags of the samples at rest, if they are known; None finds them
 
     Returns
     -------
-    Navigation from the first rest on, warnings (a late rest, samples at the end of the range)
+    Navigation from the first rest on, warnings (a late rest, samples at the end of the range, an
+    offset)
 
     Raises
     ------
@@ -67,16 +78,18 @@ def navigate_recording(
     one_of("smooth", smooth, (True, False))
     if closed_loop is not None and not smooth:
         raise InputError("closed_loop needs the smoother: it cannot be had with smooth=False")
-    imu, gyr = recording.sensor("frame", gyroscope=True), recording.gyroscope("frame")
+    _check_rate_and_size(recording)
+    imu, gyr = recording.sensor("frame"), recording.gyroscope("frame")
     rate_hz = recording.sampling_rate_hz
-    if not LEAST_RATE_HZ <= rate_hz:
-        raise InputError(
-            f"{recording.source}: {rate_hz:g} samples per second, expected {LEAST_RATE_HZ:g} or "
-            "more (is time_s in ms?)"
-        )
-    _check_size(recording)
-    still = find_stillness(imu.acc_mps2, gyr, rate_hz, stillness)
     cut, warnings = _faulty_samples(recording)
+    offset = _offset(recording, settings, stillness)
+    if offset.any():
+        gyr = gyr - offset
+        warnings.append(f"{recording.source}: {_stated(offset)}")
+    if rests is None:
+        still = find_stillness(imu.acc_mps2, gyr, rate_hz, stillness)
+    else:
+        still = as_flags(rests, "rests", length=len(recording))
     # Where up is comes from the first rest; what lies before it cannot be followed.
     begin = int(np.argmax(still))
     late_s = float(recording.time_s[begin] - recording.time_s[0])
@@ -84,7 +97,7 @@ def navigate_recording(
         raise InputError(
             f"{recording.source}: the frame is not still within the first {LATEST_REST_S:g} s: "
             "expected some seconds of rest at the start, which say where up is"
-            + _why_not_still(imu.acc_mps2, gyr, rate_hz, stillness)
+            + (_why_not_still(imu.acc_mps2, gyr, rate_hz, stillness) if rests is None else "")
         )
     if late_s > 0.2:
         warnings.append(
@@ -104,12 +117,45 @@ def navigate_recording(
         )
     except InputError as error:
         raise InputError(f"{recording.source}: {error}") from None
+    if offset.any():
+        path = replace(path, gyr_bias_radps=path.gyr_bias_radps + offset)
     return path, (*warnings, *path.warnings, *_inconsistent_rests(path, recording.source))
 
 
-def _check_size(recording: Recording) -> None:
-    """Check that no single acceleration is larger than any sensor's."""
-    acc = recording.sensor("frame").acc_mps2
+def _offset(
+    recording: Recording, settings: NavigationSettings, detector: StillnessSettings
+) -> FloatArray:
+    """Offset of the gyroscope to be taken off, rad/s; zeros if the filter can do without.
+
+    The filter learns a small one in the first rest, or assumes one of a stated size. What the rests
+    do not show beyond doubt is no offset.
+    """
+    found = rest_offsets(recording, ("frame",)).get("frame")
+    if found is None:
+        return np.zeros(3)
+    small = _HARMLESS * detector.rate_radps
+    if not settings.initial_gyr_mean:
+        small = min(small, 2 * settings.gyr_bias_prior_sd_radps)
+    size = float(np.linalg.norm(found.offset_radps))
+    if size < max(small, 3 * float(np.linalg.norm(found.sd_radps))):
+        return np.zeros(3)
+    return found.offset_radps
+
+
+def _stated(offset_radps: FloatArray) -> str:
+    shown = (f"{k} {v:.2f}" for k, v in zip("xyz", np.rad2deg(offset_radps), strict=True))
+    return f"the gyroscope has an offset ({', '.join(shown)} deg/s), which is taken off"
+
+
+def _check_rate_and_size(recording: Recording) -> None:
+    """Check the sampling rate, and that no single acceleration is larger than any sensor's."""
+    acc = recording.sensor("frame", gyroscope=True).acc_mps2
+    rate_hz = recording.sampling_rate_hz
+    if not LEAST_RATE_HZ <= rate_hz:
+        raise InputError(
+            f"{recording.source}: {rate_hz:g} samples per second, expected {LEAST_RATE_HZ:g} or "
+            "more (is time_s in ms?)"
+        )
     beyond = np.abs(acc) > LARGEST_ACC_MPS2
     if beyond.any():
         k, axis = (int(index[0]) for index in np.nonzero(beyond))

@@ -19,27 +19,24 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from mobility_imu._compiled import choose
-from mobility_imu.arguments import check_limits, expect, settings_or_default
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
     GAP_FACTOR,
     STANDARD_GRAVITY_MPS2,
     FloatArray,
     as_clock,
-    as_count,
     as_flags,
     as_vectors,
-    check_positive,
     one_of,
 )
 from mobility_imu.results import Result
 from mobility_imu.rotations import cross_matrix
+from mobility_imu.runs import runs_of
 from mobility_imu.walker import _kernel, eskf
 from mobility_imu.walker.error_state import (
-    FORMS,
     GRAVITY_MPS2,
     STATES,
-    Form,
     NavigationState,
     corrected_state,
     error_dynamics,
@@ -51,6 +48,7 @@ from mobility_imu.walker.error_state import (
     strapdown_step,
 )
 from mobility_imu.walker.geometry import rotation_world_to_imu
+from mobility_imu.walker.navigation_settings import ClosedLoop, NavigationSettings
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,113 +72,7 @@ __all__ = [
     "strapdown_rates",
 ]
 
-_DEG = float(np.deg2rad(1))
-SIZES = 1e-12, 1e6
-"""Smallest and largest size of a setting; beyond these, squares in the filter lose all digits."""
-LONGEST_STRIDE = 10**6
 _PLAIN_S_PER_SAMPLE = 1e-4  # of the readable filter, and a fifth of it for the states alone
-
-
-@dataclass(frozen=True)
-class NavigationSettings:
-    """Assumed noise model of the filter, and its options. The first two are the MTi-1's data sheet.
-
-    Parameters
-    ----------
-    gyr_noise_radps_sqrthz : rad/s/sqrt(Hz), density of the gyroscope's noise
-    acc_noise_mps2_sqrthz : m/s²/sqrt(Hz), density of the accelerometer's noise
-    gyr_noise_factor, acc_noise_factor : 1, the filter's noise over the sensor's; more than 1 stands
-        in for what is not white noise (scale factor, misalignment, sampling)
-    gyr_bias_walk_radps_sqrts : rad/s per square root of s, how fast the bias may wander
-    acc_bias_walk_mps2_sqrts : m/s² per square root of s
-    gyr_bias_sd_radps : rad/s, uncertainty of the bias at the start beyond that of the mean
-    acc_bias_sd_mps2 : m/s², bias at the start; the first attitude errs with it
-    velocity_noise_mps_sqrthz : m/s/sqrt(Hz), of a frame that stands: zero-velocity update
-    height_noise_m_sqrthz : m/sqrt(Hz), of the floor: zero-height update
-    rate_noise_radps_sqrthz : rad/s/sqrt(Hz), of a frame that stands: zero-rate update
-    upright_rad : rad, the height is known only within this angle of the first attitude
-    zero_rate : whether to make zero-rate updates, which the paper does not
-    initial_gyr_mean : whether to start with the mean of the gyroscope over the first rest
-    form : of the error dynamics, "corrected" or as "printed" in eq. 24
-    moving_stride : 8, samples of a moving frame that share one step of the covariance
-    resting_stride : 4, samples of a resting frame that share one, and one update at their end;
-        closer to the ends of a rest each has its own. With 1 and 1: the textbook's filter. Gaps
-        and samples that are cut off always stand alone
-
-    Raises
-    ------
-    InputError
-        If a value is impossible; the message names it.
-    """
-
-    gyr_noise_radps_sqrthz: float = 0.007 * _DEG
-    acc_noise_mps2_sqrthz: float = 120e-6 * STANDARD_GRAVITY_MPS2
-    gyr_noise_factor: float = 3.0
-    acc_noise_factor: float = 5.0
-    gyr_bias_walk_radps_sqrts: float = 1e-5
-    acc_bias_walk_mps2_sqrts: float = 1e-4
-    gyr_bias_sd_radps: float = 0.01 * _DEG
-    acc_bias_sd_mps2: float = 0.03
-    velocity_noise_mps_sqrthz: float = 0.001
-    height_noise_m_sqrthz: float = 0.0005
-    rate_noise_radps_sqrthz: float = 0.014 * _DEG
-    upright_rad: float = 3 * _DEG
-    zero_rate: bool = True
-    initial_gyr_mean: bool = True
-    form: Form = "corrected"
-    moving_stride: int = 8
-    resting_stride: int = 4
-
-    def __post_init__(self) -> None:
-        """Check each field."""
-        others = {"zero_rate", "initial_gyr_mean", "form", "moving_stride", "resting_stride"}
-        check_positive(self, *(name for name in vars(self) if name not in others))
-        one_of("NavigationSettings.form", self.form, FORMS)
-        for name in ("moving_stride", "resting_stride"):
-            count = as_count(getattr(self, name), f"NavigationSettings.{name}")
-            object.__setattr__(self, name, count)
-        for name in ("zero_rate", "initial_gyr_mean"):
-            flag = one_of(f"NavigationSettings.{name}", getattr(self, name), (True, False))
-            object.__setattr__(self, name, flag)
-        sizes = dict.fromkeys((n for n in vars(self) if n not in others), SIZES)
-        strides = dict.fromkeys(("moving_stride", "resting_stride"), (1, LONGEST_STRIDE))
-        check_limits(self, {**sizes, **strides, "upright_rad": (SIZES[0], np.pi)})
-
-    def noise(self) -> eskf.Noise:
-        """Squared densities for the filter."""
-        return eskf.Noise(
-            gyr=(self.gyr_noise_radps_sqrthz * self.gyr_noise_factor) ** 2,
-            acc=(self.acc_noise_mps2_sqrthz * self.acc_noise_factor) ** 2,
-            gyr_bias_walk=self.gyr_bias_walk_radps_sqrts**2,
-            acc_bias_walk=self.acc_bias_walk_mps2_sqrts**2,
-            velocity=self.velocity_noise_mps_sqrthz**2,
-            height=self.height_noise_m_sqrthz**2,
-            rate=self.rate_noise_radps_sqrthz**2,
-        )
-
-
-@dataclass(frozen=True)
-class ClosedLoop:
-    """The frame is known to end where it began, and turned as it was.
-
-    Parameters
-    ----------
-    position_sd_m : m, how well that is known, per axis
-    heading_sd_rad : rad
-
-    Raises
-    ------
-    InputError
-        If a size is not positive.
-    """
-
-    position_sd_m: float = 0.03
-    heading_sd_rad: float = 2 * _DEG
-
-    def __post_init__(self) -> None:
-        """Check both."""
-        check_positive(self)
-        check_limits(self, dict.fromkeys(vars(self), SIZES))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -195,6 +87,7 @@ class Navigation(Result):
     gyr_bias_radps, acc_bias_mps2 : (n, 3) IMU's axes
     sd : (n, 15) standard deviations in the order of STATES; the attitude's are half angles, rad,
         about the IMU's axes; inside a stride their squares are linear from sample to sample
+    xy_covariance_m2 : (n,) covariance of the position's errors along x and y
     still : (n,) bool
     nis : (n,) normalised innovation squared, summed over the updates of a sample
     nis_dof : (n,) int, number of these updates; 0 but at a stride's last sample
@@ -209,6 +102,7 @@ class Navigation(Result):
     gyr_bias_radps: FloatArray
     acc_bias_mps2: FloatArray
     sd: FloatArray
+    xy_covariance_m2: FloatArray
     still: NDArray[np.bool_]
     nis: FloatArray
     nis_dof: NDArray[np.int64]
@@ -302,7 +196,7 @@ def integrate_strapdown(
             if at_rest[k]:
                 state = state._replace(velocity_mps=np.zeros(3))
             states[k + 1] = eskf.as_row(state)
-    variances = np.full((count + 1, 15), np.nan)
+    variances = np.full((count + 1, 16), np.nan)
     nis, dof = np.zeros(count), np.zeros(count, np.int64)
     ends = np.arange(1, count + 1)
     return _at_samples(clock, states, ends, variances, at_rest, nis, dof, None)
@@ -405,7 +299,8 @@ def run_filter(
     alone = saturated | (dt > GAP_FACTOR * np.median(dt))
     ends = eskf.stride_ends(at_rest, alone, settings.moving_stride, settings.resting_stride)
     problem = eskf.Problem(
-        acc, gyr, dt, at_rest, saturated, seen, ends, settings.noise(), settings.zero_rate,
+        acc, gyr, dt, at_rest, _long_moves(at_rest, dt, settings.longest_move_s), saturated, seen,
+        ends, settings.noise(), settings.zero_rate,
         settings.form, float(np.cos(settings.upright_rad)),
     )  # fmt: skip
     states, variances, nis, dof = _solve(problem, first, first_covariance, smooth, closed_loop)
@@ -425,7 +320,7 @@ def _solve(
     smooth: bool,
     closed_loop: ClosedLoop | None,
 ) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.int64]]:
-    """States (n + 1, 16), variances (m + 1, 15), NIS and its degrees of freedom (n,).
+    """States (n + 1, 16), variances (m + 1, 16), NIS and its degrees of freedom (n,).
 
     By the kernel if its machine code is there or is worth its time, else by the readable form.
     """
@@ -438,9 +333,10 @@ def _solve(
     sign, coupling = (1.0, 0.0) if problem.form == "printed" else (-1.0, 1.0)
     noise = np.array([*problem.noise, eskf.SATURATED_ACC_SD_MPS2**2])
     mu, big_lambda = np.zeros(15), np.zeros((15, 15))
-    variances = np.empty((strides + 1, 15))
+    variances = np.empty((strides + 1, 16))
     forward = (
-        problem.acc, problem.gyr, problem.still, problem.saturated, problem.observed, problem.dt,
+        problem.acc, problem.gyr, problem.still, problem.long_move, problem.saturated,
+        problem.observed, problem.dt,
         problem.ends, noise, problem.zero_rate, sign, coupling, problem.upright_cos, work, states,
         covariances, transitions, innovations, weights, errors, nis, dof,
     )  # fmt: skip
@@ -460,7 +356,7 @@ def _solve(
         filtered = eskf.run_filter(problem, start, covariance)
         states, dense, nis, dof = filtered[:4]
     if not smooth:
-        return states, np.maximum(np.diagonal(dense, axis1=1, axis2=2), 0), nis, dof
+        return states, eskf.variances_of(dense), nis, dof
     if closed_loop is not None:
         mu, big_lambda = eskf.known_end(
             eskf.from_row(states[0]), eskf.from_row(states[-1]), dense[-1],
@@ -472,7 +368,8 @@ def _solve(
         _kernel.run_smoother(*backward[:6], mu, flat.ravel(), *backward[8:])
     else:
         states, variances = eskf.run_smoother(problem, filtered, mu, big_lambda)
-    return states, np.maximum(variances, 0), nis, dof
+    np.maximum(variances[:, :15], 0, out=variances[:, :15])  # rounding may have left less
+    return states, variances, nis, dof
 
 
 def _inputs(
@@ -513,6 +410,14 @@ def _intervals(clock: FloatArray) -> FloatArray:
     return np.asarray((bounds[1:] + bounds[:-1]) / 2)
 
 
+def _long_moves(still: NDArray[np.bool_], dt: FloatArray, longest_s: float) -> NDArray[np.bool_]:
+    """Whether each sample is in a move that lasts too long for one of a frame."""
+    found = np.zeros(len(still), np.bool_)
+    for move in runs_of(~still):
+        found[move] = dt[move].sum() > longest_s
+    return found
+
+
 def _start(
     clock: FloatArray,
     acc: FloatArray,
@@ -546,7 +451,7 @@ def _start(
     if settings.initial_gyr_mean:
         gyr_bias, gyr_var = rate, settings.gyr_bias_sd_radps**2 + noise.gyr / length
     else:
-        gyr_bias, gyr_var = np.zeros(3), (0.5 * _DEG) ** 2
+        gyr_bias, gyr_var = np.zeros(3), settings.gyr_bias_prior_sd_radps**2
     # The first attitude is right if the accelerometer's bias is nil: both err together.
     acc_var = settings.acc_bias_sd_mps2**2
     lean = cross_matrix(up) / (2 * STANDARD_GRAVITY_MPS2)
@@ -582,7 +487,8 @@ def _at_samples(
     later = (np.arange(len(clock)) + 0.5 - (ends - sizes)[stride]) / sizes[stride]
     spread = variances[stride]
     spread += later[:, None] * np.diff(variances, axis=0)[stride]
-    sd = np.sqrt(np.maximum(spread, 0, out=spread), out=spread)
+    xy = spread[:, 15].copy()
+    sd = np.sqrt(np.maximum(spread[:, :15], 0))
     return Navigation(
-        clock, quaternion, position, velocity, gyr_bias, acc_bias, sd, still, nis, dof, settings
+        clock, quaternion, position, velocity, gyr_bias, acc_bias, sd, xy, still, nis, dof, settings
     )

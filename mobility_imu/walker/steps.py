@@ -73,7 +73,7 @@ class Steps(Result):
     recorded_s : (2,) array, s, first and last time of the recording
     warnings : what the user should know
     settings : GaitSettings that they were found with
-    stillness : StillnessSettings of the detector that found the rests
+    stillness : StillnessSettings of the detector that found the rests; None if they were given
     """
 
     lift_s: FloatArray
@@ -90,7 +90,7 @@ class Steps(Result):
     recorded_s: FloatArray
     warnings: tuple[str, ...] = ()
     settings: GaitSettings = field(default_factory=GaitSettings, kw_only=True)
-    stillness: StillnessSettings = field(default_factory=StillnessSettings, kw_only=True)
+    stillness: StillnessSettings | None = field(default_factory=StillnessSettings, kw_only=True)
 
     def __len__(self) -> int:
         """Return the number of steps."""
@@ -138,7 +138,8 @@ def find_steps(trajectory: Trajectory, settings: GaitSettings | None = None) -> 
     Returns
     -------
     Steps
-        Both times are brought in by what the detector takes off the ends of a rest. What is left
+        Both times are brought in by what the detector takes off the ends of a rest (by nothing if
+        the rests were given). What is left
         is about a tenth of a second: its running means see a move a little before it begins, and
         late if it begins gently.
 
@@ -155,7 +156,7 @@ def find_steps(trajectory: Trajectory, settings: GaitSettings | None = None) -> 
         raise InputError("trajectory: the frame never stands still, so no step begins or ends")
     moves = runs_of(~still)
     warnings = []
-    margin_s = trajectory.stillness.eroded_s
+    margin_s = 0.0 if trajectory.stillness is None else trajectory.stillness.eroded_s
     if moves and moves[0].start == 0:
         warnings.append(
             f"the recording begins in a move, left out: until {time[moves[0].stop]:g} s"

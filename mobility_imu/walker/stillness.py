@@ -2,7 +2,10 @@
 
 A sample is still if, from a little before it to a little after, the rate stays small and the
 specific force stays near its own local mean. The detector sees neither a constant offset of the
-force nor a slow, even creep: what moves slowly enough passes for still.
+force nor a slow, even creep: what moves slowly enough passes for still. So does a frame that rolls
+on wheels over a floor that does not shake it, and nothing in one IMU's readings tells it for sure.
+On real ground (a wheelchair's frame on asphalt, grass, gravel and a sidewalk) none of the rolling
+passed for still.
 """
 
 from __future__ import annotations

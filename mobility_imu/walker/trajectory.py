@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -48,25 +48,25 @@ class Trajectory(Result):
     position_m : (n, 3) array, m, middle of the rear tips, 0 at the start
     rotation_body_to_world : (n, 3, 3) array
     stationary : (n,) bool array
-    horizontal_sd_m : (n,) array, m, sd of the place on the floor (root of the sum over both axes);
-        with the sensor's scale and the mount's errors, as far as the mount states them, but not
-        with creep or slip of the tips, which no IMU sees
+    position_sd_m : (n, 3) array, m, standard deviation of the position along each axis; with the
+        sensor's scale and the mount's errors, as far as the mount states them, but not with creep
+        or slip of the tips, which no IMU sees
     yaw_sd_rad : (n,) array, rad. On walks with turns, where SCALE_SD counts, simulated errors are
         0.9 of it. At the end of a straight corridor they are a quarter: the filter's noise is three
         times the gyroscope's, and it allows for a resting frame that turns a little
     warnings : what the user should know
-    settings, stillness : what it was found with
+    settings, stillness : what it was found with; stillness is None if the rests were given
     """
 
     time_s: FloatArray
     position_m: FloatArray
     rotation_body_to_world: FloatArray
     stationary: NDArray[np.bool_]
-    horizontal_sd_m: FloatArray
+    position_sd_m: FloatArray
     yaw_sd_rad: FloatArray
     warnings: tuple[str, ...] = ()
     settings: NavigationSettings = field(default_factory=NavigationSettings, kw_only=True)
-    stillness: StillnessSettings = field(default_factory=StillnessSettings, kw_only=True)
+    stillness: StillnessSettings | None = field(default_factory=StillnessSettings, kw_only=True)
 
     def __len__(self) -> int:
         """Return the number of samples."""
@@ -78,6 +78,11 @@ class Trajectory(Result):
         forward = self.rotation_body_to_world[:, :2, 0]
         return np.asarray(np.unwrap(np.arctan2(forward[:, 1], forward[:, 0])))
 
+    @property
+    def horizontal_sd_m(self) -> FloatArray:
+        """Standard deviation of the place on the floor, m: root of the sum over both axes."""
+        return np.asarray(np.hypot(self.position_sd_m[:, 0], self.position_sd_m[:, 1]))
+
     def to_frame(self) -> pd.DataFrame:
         """Table that ``mobility-imu walker trajectory`` writes."""
         import pandas as pd
@@ -88,6 +93,8 @@ class Trajectory(Result):
                 **{f"{axis}_m": self.position_m[:, k] for k, axis in enumerate("xyz")},
                 "yaw_deg": np.rad2deg(self.yaw_rad),
                 "stationary": self.stationary.astype(int),
+                **{f"{axis}_sd_m": self.position_sd_m[:, k] for k, axis in enumerate("xyz")},
+                "yaw_sd_deg": np.rad2deg(self.yaw_sd_rad),
             }
         )
 
@@ -160,6 +167,7 @@ def estimate_trajectory(
     stillness: StillnessSettings | None = None,
     smooth: bool = True,
     closed_loop: ClosedLoop | None = None,
+    rests: ArrayLike | None = None,
     executor: Any = None,
 ) -> Trajectory: ...
 
@@ -187,6 +195,7 @@ def estimate_trajectory(
     stillness: StillnessSettings | None = None,
     smooth: bool = True,
     closed_loop: ClosedLoop | None = None,
+    rests: ArrayLike | None = None,
     executor: Any = None,
 ) -> Trajectory | list[Trajectory]:
     """Path of a walking frame from a recording of the IMU on it, or of several recordings.
@@ -201,6 +210,8 @@ def estimate_trajectory(
     stillness : StillnessSettings of the detector
     smooth : whether each estimate may use what comes after it
     closed_loop : if the walk is known to end where and as it began; never evidence of accuracy
+    rests : (n,) flags of the samples at which the frame is known to rest, with one recording; None
+        finds the rests by the detector
     executor : anything with ``submit``, for a list of recordings; None works in this process
 
     Returns
@@ -215,6 +226,8 @@ def estimate_trajectory(
     """
     expect("geometry", geometry, WalkerGeometry, none=True)
     expect("mount", mount, WalkerMount)
+    if not (rests is None or isinstance(recording, Recording)):
+        raise InputError("rests belong to one recording: call this for each, expected no list")
     return for_each(
         _estimate_one,
         recording,
@@ -225,20 +238,28 @@ def estimate_trajectory(
         stillness=settings_or_default("stillness", stillness, StillnessSettings),
         smooth=one_of("smooth", smooth, (True, False)),
         closed_loop=closed_loop,
+        rests=rests,
     )
 
 
 def _estimate_one(
     recording: Recording,
+    *,
     geometry: WalkerGeometry | None,
     mount: WalkerMount,
     settings: NavigationSettings,
     stillness: StillnessSettings,
     smooth: bool,
     closed_loop: ClosedLoop | None,
+    rests: ArrayLike | None,
 ) -> Trajectory:
     path, warnings = navigate_recording(
-        recording, smooth=smooth, settings=settings, stillness=stillness, closed_loop=closed_loop
+        recording,
+        smooth=smooth,
+        settings=settings,
+        stillness=stillness,
+        closed_loop=closed_loop,
+        rests=rests,
     )
     rest = runs_of(path.still)[0]
     force = recording.sensor("frame").acc_mps2[-len(path.time_s) :][rest].mean(axis=0)
@@ -256,8 +277,36 @@ def _estimate_one(
             "or is the floor not level?",
         )
     warnings += _far_off(mount, geometry)
-    return trajectory_from_path(
+    found = trajectory_from_path(
         path, mount, settings=settings, stillness=stillness, warnings=warnings
+    )
+    if rests is not None:
+        found = replace(found, stillness=None)
+    return replace(found, warnings=(*found.warnings, *_without_rest(found)))
+
+
+def _without_rest(found: Trajectory) -> tuple[str, ...]:
+    """Warn of moves so long that the errors of the sensors add up."""
+    ends = [
+        (move.start, min(move.stop, len(found) - 1))
+        for move in runs_of(~found.stationary)
+        if found.time_s[move.stop - 1] - found.time_s[move.start] > found.settings.longest_move_s
+    ]
+    if not ends:
+        return ()
+    start, stop = max(ends, key=lambda move: float(found.time_s[move[1]] - found.time_s[move[0]]))
+    largest = float(found.horizontal_sd_m[start : stop + 1].max())
+    several = f"{len(ends)} times, the longest " if len(ends) > 1 else ""
+    what = (
+        "; a frame that is walked with rests at each step: was it rolled or carried, or is the "
+        "sensor on a foot? Rests that are known can be given"
+        if found.stillness is not None
+        else ""
+    )
+    return (
+        f"no rest for more than {found.settings.longest_move_s:g} s, {several}"
+        f"{found.time_s[stop] - found.time_s[start]:.1f} s from {found.time_s[start]:.1f} s on: "
+        f"the place becomes uncertain by {largest:.2g} m (one standard deviation){what}",
     )
 
 
@@ -307,18 +356,7 @@ def trajectory_from_path(
     to_start = np.array([[east, north, 0.0], [-north, east, 0.0], [0.0, 0.0, 1.0]])
     position = (place - place[first]) @ to_start.T
     attitude = to_start @ body_to_world
-    # The position's error acts by how far the frame has turned since the start (eq. 28), that of
-    # the mount's heading by how far it has gone.
-    arm_sd = np.zeros(3) if mount.translation_sd_m is None else mount.translation_sd_m
-    heading_sd = 0.0 if mount.rotation_sd_rad is None else mount.rotation_sd_rad[2]
-    turned = attitude - attitude[first]
-    by_mount = np.einsum("nij,j->ni", turned[:, :2] ** 2, arm_sd**2).sum(axis=1)
-    by_distance = np.hypot(SCALE_SD, heading_sd) * np.linalg.norm(position[:, :2], axis=1)
-    horizontal = np.sqrt((path.sd[:, 6:8] ** 2).sum(axis=1) + by_mount + by_distance**2)
-    up = path.rotation_imu_to_world()[:, 2]
-    yaw_sd = 2 * np.sqrt(np.einsum("ni,ni->n", up**2, path.sd[:, :3] ** 2))
-    heading = np.unwrap(np.arctan2(attitude[:, 1, 0], attitude[:, 0, 0]))
-    yaw_sd = np.hypot(yaw_sd, SCALE_SD * np.abs(heading))
+    sd, yaw_sd = _standard_deviations(path, mount, to_start, position, attitude)
     backward = _backward_fraction(position, attitude, path.still)
     if backward > 0.8:
         notes.append(
@@ -329,12 +367,40 @@ def trajectory_from_path(
         position,
         attitude,
         path.still,
-        horizontal,
+        sd,
         yaw_sd,
         tuple(notes),
         settings=settings_or_default("settings", settings, NavigationSettings),
         stillness=settings_or_default("stillness", stillness, StillnessSettings),
     )
+
+
+def _standard_deviations(
+    path: Navigation,
+    mount: WalkerMount,
+    to_start: FloatArray,
+    position: FloatArray,
+    attitude: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Standard deviations of the position along the axes of the start, and of the heading."""
+    variance = path.sd[:, 6:9] ** 2
+    east, north = to_start[0, :2]
+    turned = 2 * east * north * path.xy_covariance_m2
+    x, y = variance[:, :2].T.copy()
+    variance[:, 0] = east**2 * x + north**2 * y + turned
+    variance[:, 1] = north**2 * x + east**2 * y - turned
+    # The mount's position errs by how far the frame has turned since the start (eq. 28).
+    first = int(np.argmax(path.still))
+    if mount.translation_sd_m is not None:
+        variance += (attitude - attitude[first]) ** 2 @ mount.translation_sd_m**2
+    # The sensor's scale errs along the way gone, the mount's heading across it.
+    variance += (SCALE_SD * position) ** 2
+    if mount.rotation_sd_rad is not None:
+        variance[:, :2] += (mount.rotation_sd_rad[2] * position[:, 1::-1]) ** 2
+    up = path.rotation_imu_to_world()[:, 2]
+    yaw_sd = 2 * np.sqrt(np.einsum("ni,ni->n", up**2, path.sd[:, :3] ** 2))
+    heading = np.unwrap(np.arctan2(attitude[:, 1, 0], attitude[:, 0, 0]))
+    return np.sqrt(np.maximum(variance, 0)), np.hypot(yaw_sd, SCALE_SD * np.abs(heading))
 
 
 def _backward_fraction(

@@ -8,6 +8,10 @@ from command_lines import CORRIDOR, calibrate, trajectory
 TRUE_MOUNT = CORRIDOR / "true_mount.toml"
 
 
+def end_sd(path):
+    return path[["x_sd_m", "y_sd_m"]].iloc[-1]
+
+
 @pytest.mark.parametrize("method", ["four-tilts", "two-tilts", "all-samples"])
 def test_from_tilts_to_a_path(tmp_path, works, method):
     """Mount within 10 cm (the paper's method) or 3 cm (whole arcs), path within 2 % of 10 m."""
@@ -24,7 +28,10 @@ def test_from_tilts_to_a_path(tmp_path, works, method):
     works(*trajectory(), "--steps", "steps.csv")
     path = pd.read_csv(tmp_path / "path.csv")
     truth = pd.read_csv(CORRIDOR / "truth.csv.gz")
-    assert list(path) == ["time_s", "x_m", "y_m", "z_m", "yaw_deg", "stationary"]
+    first = ["time_s", "x_m", "y_m", "z_m", "yaw_deg", "stationary"]
+    assert list(path) == [*first, "x_sd_m", "y_sd_m", "z_sd_m", "yaw_sd_deg"]
+    assert (path[["x_sd_m", "y_sd_m", "z_sd_m", "yaw_sd_deg"]] >= 0).all(axis=None)
+    assert np.hypot(*end_sd(path)) < 0.2
     end = path[["x_m", "y_m"]].iloc[-1] - truth[["x_m", "y_m"]].iloc[-1]
     assert np.hypot(*end) < 0.2
     assert len(pd.read_csv(tmp_path / "steps.csv")) == 29
@@ -69,6 +76,34 @@ def test_options(works, fails):
     fails(*trajectory(), *both, says=["--closed-loop needs the smoother"])
     swapped = works(*calibrate(), "--order", "right,front,left,back")
     assert "other way round" in swapped.stderr
+
+
+def test_rests_that_are_known(tmp_path, works, fails):
+    """A path's own rests give the same path again; what does not serve is said."""
+    works(*trajectory(mount=TRUE_MOUNT), "--steps", "steps.csv")
+    first = pd.read_csv(tmp_path / "path.csv")
+    first.to_csv(tmp_path / "rests.csv", index=False)
+    again = works(*trajectory(mount=TRUE_MOUNT), "--rests", "rests.csv")
+    assert "known can be given" not in again.stderr
+    assert np.array_equal(pd.read_csv(tmp_path / "path.csv")["x_m"], first["x_m"])
+    first[["time_s", "stationary"]][::2].to_csv(tmp_path / "half.csv", index=False)
+    works(*trajectory(mount=TRUE_MOUNT), "--rests", "half.csv")
+    thin = pd.read_csv(tmp_path / "path.csv")
+    assert np.hypot(*(thin[["x_m", "y_m"]] - first[["x_m", "y_m"]]).to_numpy().T).max() < 0.02
+    for change, says in (
+        ({"stationary": 2}, ["r.csv", "stationary is 2 in row 1", "0 or 1"]),
+        ({"stationary": 0}, ["r.csv", "0 throughout"]),
+        ({"time_s": 1.0}, ["r.csv", "time_s does not increase"]),
+        ({"time_s": first["time_s"] + 100}, ["r.csv", "from 100 to", "on its clock"]),
+    ):
+        first.assign(**change).to_csv(tmp_path / "r.csv", index=False)
+        fails(*trajectory(mount=TRUE_MOUNT), "--rests", "r.csv", says=says)
+    first[["time_s"]].to_csv(tmp_path / "r.csv", index=False)
+    fails(*trajectory(mount=TRUE_MOUNT), "--rests", "r.csv", says=["no column", "stationary"])
+    fails(*trajectory(mount=TRUE_MOUNT), "--rests", "none.csv", says=["none.csv: no such file"])
+    (tmp_path / "path.csv").write_text("kept")
+    fails(*trajectory(mount=TRUE_MOUNT), "--rests", "path.csv", says=["path.csv"])
+    assert (tmp_path / "path.csv").read_text() == "kept"
 
 
 @pytest.fixture

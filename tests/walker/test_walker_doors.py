@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from walker_recordings import FRAME, rebuilt, tilt_recording, walked
 
 import mobility_imu.walker as walker
@@ -49,7 +50,7 @@ from mobility_imu.walker.tilt_equations import (
     tilt_displacement,
     tilt_quaternion,
 )
-from mobility_imu.walker.trajectory import walking_displacement
+from mobility_imu.walker.trajectory import trajectory_from_path, walking_displacement
 from mobility_imu.walker.walking_tests import path_at, time_at
 
 MOUNT = pose_mount("1")
@@ -188,12 +189,107 @@ def test_a_reading_beyond_any_sensor_is_one_clear_error(value, door):
         door(rebuilt(recording, acc=acc), *arguments)
 
 
-def test_an_offset_of_the_gyroscope_is_not_called_a_unit():
+@pytest.mark.parametrize("offset_degps", [[0.0, 3.0, 0.0], [2.0, -1.0, 2.0], [0.0, 0.0, 6.0]])
+def test_an_offset_of_the_gyroscope_hides_no_rest(walk, offset_degps):
+    """The path with it is the path without, to a centimetre; the offset is stated."""
     recording = walked().recording
-    gyr = recording.gyroscope("frame") + np.deg2rad([0.0, 3.0, 0.0])
-    with pytest.raises(InputError, match=r"reads 0\.05\d rad/s.*take its offset off") as caught:
+    offset = np.deg2rad(offset_degps)
+    gyr = recording.gyroscope("frame") + offset
+    found = estimate_trajectory(rebuilt(recording, gyr=gyr), FRAME, MOUNT)
+    assert np.mean(found.stationary != walk.stationary) < 0.01
+    assert np.abs(found.position_m - walk.position_m).max() < 0.01
+    assert len(find_steps(found)) == len(find_steps(walk))
+    assert [text for text in found.warnings if "has an offset" in text]
+    path, _ = navigate_recording(rebuilt(recording, gyr=gyr))
+    plain, _ = navigate_recording(recording)
+    assert np.allclose(path.gyr_bias_radps[-1] - plain.gyr_bias_radps[-1], offset, atol=2e-4)
+
+
+def test_a_small_offset_is_left_to_the_filter(walk):
+    assert not walk.warnings
+    gyr = walked().recording.gyroscope("frame") + np.deg2rad([0.0, 1.0, 0.0])
+    found = estimate_trajectory(rebuilt(walked().recording, gyr=gyr), FRAME, MOUNT)
+    assert not found.warnings
+
+
+def test_an_even_turn_is_not_called_a_unit():
+    recording = walked().recording
+    gyr = recording.gyroscope("frame") + np.deg2rad([0.0, 12.0, 0.0])
+    with pytest.raises(InputError, match=r"reads 0\.2\d* rad/s.*turning evenly") as caught:
         estimate_trajectory(rebuilt(recording, gyr=gyr), FRAME, MOUNT)
     assert "deg/s" not in str(caught.value)
+
+
+# Rests that are known.
+
+
+def test_known_rests_replace_the_detector(walk):
+    """With the detector's own rests the same path; the times of the steps are not shortened."""
+    recording = walked().recording
+    found = estimate_trajectory(recording, FRAME, MOUNT, rests=walk.stationary)
+    assert np.array_equal(found.position_m, walk.position_m)
+    assert found.stillness is None and find_steps(found).stillness is None
+    longer = find_steps(found).swing_s - find_steps(walk).swing_s
+    assert np.allclose(longer, 2 * StillnessSettings().eroded_s)
+
+
+@pytest.mark.parametrize(
+    ("rests", "message"),
+    [
+        ([True, False], "rests"),
+        (np.zeros(10), "rests"),
+        ("early", "not still within the first 5 s"),
+    ],
+)
+def test_rests_that_do_not_serve(walk, rests, message):
+    if isinstance(rests, str):
+        rests = walk.stationary & (walk.time_s > 10)
+    with pytest.raises(InputError, match=message):
+        estimate_trajectory(walked().recording, FRAME, MOUNT, rests=rests)
+    with pytest.raises(InputError, match="belong to one recording"):
+        estimate_trajectory([walked().recording], FRAME, MOUNT, rests=[rests])
+
+
+def test_without_rests_the_path_grows_uncertain_and_says_so(walk):
+    """Half a minute without a rest: metres, though the same sensor walks ten within decimetres."""
+    few = walk.stationary & ((walk.time_s < 10) | (walk.time_s > 40))
+    found = estimate_trajectory(walked().recording, FRAME, MOUNT, rests=few)
+    said = [text for text in found.warnings if text.startswith("no rest for more than 5 s, ")]
+    assert len(said) == 1 and "from 10.0 s on" in said[0] and "known can be given" not in said[0]
+    during = (walk.time_s > 15) & (walk.time_s < 35)
+    assert found.horizontal_sd_m[during].max() > 1.0
+    assert found.horizontal_sd_m[during].max() > 20 * walk.horizontal_sd_m[during].max()
+    off = np.linalg.norm((found.position_m - walk.position_m)[:, :2], axis=1)
+    assert (off < 3 * found.horizontal_sd_m + 0.05).all()
+    unseen = estimate_trajectory(
+        walked().recording, FRAME, MOUNT, stillness=StillnessSettings(margin_s=1.0)
+    )
+    assert any("Rests that are known can be given" in text for text in unseen.warnings)
+
+
+def test_standard_deviations_turn_with_the_axes(walk):
+    """In x and y of the start, whichever way the filter's world looks."""
+    path, _ = navigate_recording(walked().recording)
+    quarter = Rotation.from_euler("z", 37, degrees=True)
+    turn = quarter.as_matrix()
+    x, y, xy = path.sd[:, 6] ** 2, path.sd[:, 7] ** 2, path.xy_covariance_m2
+    covariance = np.array([[x, xy], [xy, y]]).transpose(2, 0, 1)
+    covariance = turn[:2, :2] @ covariance @ turn[:2, :2].T
+    sd = path.sd.copy()
+    sd[:, 6:8] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    q = (quarter * Rotation.from_quat(path.quaternion, scalar_first=True)).as_quat(
+        scalar_first=True
+    )
+    other = replace(
+        path,
+        position_m=path.position_m @ turn.T,
+        quaternion=q,
+        sd=sd,
+        xy_covariance_m2=covariance[:, 0, 1],
+    )
+    for field in ("position_m", "position_sd_m", "yaw_sd_rad"):
+        one, two = (getattr(trajectory_from_path(each, MOUNT), field) for each in (path, other))
+        assert np.allclose(one, two, atol=1e-9), field
 
 
 def test_one_blow_is_not_called_an_exchange_of_axes():

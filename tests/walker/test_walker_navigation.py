@@ -5,6 +5,7 @@ import os
 import pickle
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -304,6 +305,7 @@ VARIANTS = {
     "printed": ({"form": "printed"}, {}),
     "filter alone": ({}, {"smooth": False}),
     "closed loop": ({}, {"closed_loop": ClosedLoop()}),
+    "all moves too long": ({"longest_move_s": 0.5, "long_move_factor": 7.0}, {}),
 }
 
 
@@ -328,6 +330,9 @@ def test_readable_filter_equals_the_compiled_one(walked, variant, monkeypatch):
         apart = np.abs(getattr(readable, name) - getattr(compiled, name)).max()
         assert apart < 1e-9, (name, apart)
     assert np.allclose(readable.sd, compiled.sd, rtol=1e-6, atol=1e-9)
+    crossed = readable.xy_covariance_m2
+    assert np.allclose(crossed, compiled.xy_covariance_m2, rtol=1e-6, atol=1e-14)
+    assert np.abs(crossed / readable.sd[:, 6] / readable.sd[:, 7])[100:].max() <= 1
     assert (readable.nis_dof == compiled.nis_dof).all()
     assert np.allclose(readable.nis, compiled.nis, rtol=1e-6, atol=1e-8)
     paths = []
@@ -425,6 +430,30 @@ def test_strides_break_where_rest_begins_and_ends_and_around_what_stands_alone()
         InputError, match="resting_stride = 0: expected a whole number of 1 or more"
     ):
         NavigationSettings(resting_stride=0)
+
+
+def test_a_move_that_is_too_long_counts_with_more_noise(walked):
+    """Where every move is too long: with four times the noise in moves, none of it at rest."""
+    time, acc, gyr, still = (values[:3000] for values in walked)
+    usual = NavigationSettings(zero_rate=False)
+    longer = replace(usual, longest_move_s=0.01, long_move_factor=4.0)
+    one, plain = (navigate(time, acc, gyr, still, s) for s in (longer, usual))
+    first = runs_of(~still)[0]
+    middle = (first.start + first.stop) // 2
+    gain = one.sd[:, 9:11] / plain.sd[:, 9:11]
+    assert (2 < gain[middle]).all() and (gain[middle] < 4.01).all()
+    assert (gain[: first.start - 50] < 1.2).all()
+    last = replace(usual, longest_move_s=60.0, long_move_factor=4.0)
+    assert np.array_equal(navigate(time, acc, gyr, still, last).sd, plain.sd)
+
+
+def test_an_assumed_bias_is_as_large_as_stated(walked):
+    """Without the first rest's mean the filter starts at zero, with the sd of the settings."""
+    time, acc, gyr, still = (values[:2000] for values in walked)
+    for size in (1e-4, 1e-2):
+        settings = NavigationSettings(initial_gyr_mean=False, gyr_bias_prior_sd_radps=size)
+        path = navigate(time, acc, gyr, still, settings, smooth=False)
+        assert np.allclose(path.sd[0, 3:6], size, rtol=0.6) and path.sd[0, 3] <= size
 
 
 @needs_numba

@@ -69,8 +69,8 @@ def drawn(moves, *, rate_hz=100.0, rest_s=1.0, move_s=1.0):
             state = state + change[:3]
     x, y, yaw, z, pitch = np.array(rows).T
     turn = Rotation.from_euler("ZY", np.column_stack([yaw, -pitch])).as_matrix()
-    time, zero = np.arange(len(x)) / rate_hz, np.zeros(len(x))
-    return Trajectory(time, np.column_stack([x, y, z]), turn, np.array(still), zero, zero)
+    time, sure = np.arange(len(x)) / rate_hz, np.zeros((len(x), 3))
+    return Trajectory(time, np.column_stack([x, y, z]), turn, np.array(still), sure, sure[:, 0])
 
 
 STEP = (0.3, 0.0, 0.0, 0.05, 0.1)

@@ -130,7 +130,8 @@ def test_trajectory_table_and_heading():
     walk = attach_imu(simulate_walk(RECTANGLE, seed=1), pose_mount("4"), DATASHEET, seed=1, unit_seed=1)  # noqa: E501  # fmt: skip
     found = estimate_trajectory(walk.recording, FRAME, pose_mount("4"))
     table = found.to_frame()
-    assert list(table) == ["time_s", "x_m", "y_m", "z_m", "yaw_deg", "stationary"]
+    first = ["time_s", "x_m", "y_m", "z_m", "yaw_deg", "stationary"]
+    assert list(table) == [*first, "x_sd_m", "y_sd_m", "z_sd_m", "yaw_sd_deg"]
     # Four corners to the left: once around.
     assert np.isclose(found.yaw_rad[-1], 2 * np.pi, atol=np.deg2rad(1))
     assert np.abs(found.position_m[found.stationary, 2]).max() < 0.01

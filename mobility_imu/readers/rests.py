@@ -1,0 +1,67 @@
+"""Table of the times at which a device is known to rest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import as_clock
+from mobility_imu.readers.table import parse_numbers, read_text
+
+__all__ = ["read_rests"]
+
+_SAME_TIME = 0.1
+"""Fraction of the recording's interval within which a row belongs to a sample."""
+
+
+def read_rests(path: str | Path, time_s: ArrayLike) -> NDArray[np.bool_]:
+    """Whether each sample of a recording is at rest, from a CSV table with time_s and stationary.
+
+    The table may be denser or sparser than the recording: a sample between two rows rests if both
+    say so. Other columns are ignored, so that a corrected path.csv serves.
+
+    Parameters
+    ----------
+    path : CSV with the columns time_s, on the recording's clock, and stationary, 0 or 1
+    time_s : (n,) array, s, the recording's clock
+
+    Returns
+    -------
+    (n,) bool array
+
+    Raises
+    ------
+    InputError
+        If a column is missing, a cell is neither 0 nor 1, the times do not increase or do not cover
+        the recording, or there is no rest at all.
+    """
+    clock = as_clock(time_s)
+    table = parse_numbers(read_text(path), separator=",", source=str(path))
+    times, flags = table.columns(["time_s", "stationary"]).T
+    if len(table) < 2:
+        raise InputError(f"{path}: {len(table)} row(s), expected one for each sample")
+    wrong = ~np.isin(flags, (0.0, 1.0))
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        raise InputError(f"{path}: stationary is {flags[k]:g} in row {k + 1}, expected 0 or 1")
+    increases = np.isfinite(times).all() and bool((np.diff(times) > 0).all())
+    if not increases:
+        raise InputError(f"{path}: time_s does not increase from row to row, or a time is missing")
+    interval = float(np.median(np.diff(clock)))
+    if clock[0] < times[0] - interval or clock[-1] > times[-1] + interval:
+        raise InputError(
+            f"{path}: time_s from {times[0]:g} to {times[-1]:g} s, but the recording lasts from "
+            f"{clock[0]:g} to {clock[-1]:g} s: expected a row for each of its samples, on its clock"
+        )
+    after = np.clip(np.searchsorted(times, clock), 1, len(times) - 1)
+    before = after - 1
+    rests = (flags[before] > 0) & (flags[after] > 0)
+    for row in (before, after):
+        same = np.abs(times[row] - clock) <= _SAME_TIME * interval
+        rests[same] = flags[row[same]] > 0
+    if not rests.any():
+        raise InputError(f"{path}: stationary is 0 throughout, expected the rests of the recording")
+    return np.asarray(rests)
