@@ -192,7 +192,7 @@ class Finder(ast.NodeVisitor):
 def modules() -> list[Path]:
     """Modules of the estimators."""
     found = [p for device in DEVICES for p in (ROOT / "mobility_imu" / device).rglob("*.py")]
-    found += [ROOT / "mobility_imu" / "hinges.py"]
+    found += [ROOT / "mobility_imu" / f"{name}.py" for name in ("hinges", "offsets")]
     return sorted(p.relative_to(ROOT) for p in found if p.is_file() and p.stem not in LEFT_OUT)
 
 
