@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -46,3 +48,14 @@ def sub_app(help_text: str) -> typer.Typer:
     """
     # Without markup: [walker] in a help text is a section's name, not a style.
     return typer.Typer(no_args_is_help=True, rich_markup_mode=None, help=help_text)
+
+
+def warn(sentences: Iterable[str]) -> None:
+    """Send the warnings of a result to the user, one line each on stderr.
+
+    Parameters
+    ----------
+    sentences : ``warnings`` of a result
+    """
+    for sentence in sentences:
+        warnings.warn(sentence, stacklevel=2)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.options import FillGaps, Output, sub_app
+from mobility_imu.cli.options import FillGaps, Output, sub_app, warn
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -82,7 +81,7 @@ def angles(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone give --single-imu"
         )
     found = estimate_ride(ride, scooter, mount, settings)
-    _say(found.warnings)
+    warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
     outputs.write({output: csv_bytes(found.to_frame(), output)})
 
 
@@ -96,11 +95,6 @@ def _check_options(method: Method, single_imu: bool, noise: float | None) -> Non
         )
     if noise == 0 and method == "fusion":
         raise InputError("--acc-noise-mps2 0: fusion needs a noise above 0")
-
-
-def _say(sentences: tuple[str, ...]) -> None:
-    for sentence in sentences:
-        warnings.warn(sentence.replace("median_window = ", "--median-window "), stacklevel=1)
 
 
 @app.command("calibrate")
@@ -126,7 +120,7 @@ def calibrate(
     outputs = Outputs({"--output": output}, (*recordings, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
     found = calibrate_mount([read_recording(path) for path in parked], settings, scooter)
-    _say(found.warnings)
+    warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
     outputs.write({output: found.to_toml().encode()})
 
 

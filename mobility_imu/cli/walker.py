@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.options import FillGaps, Output, Smooth, sub_app
+from mobility_imu.cli.options import FillGaps, Output, Smooth, sub_app, warn
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -58,13 +56,8 @@ def calibrate(
         order=[name.strip() for name in order.split(",")],  # type: ignore[misc]
         smooth=smooth,
     )
-    _warn(found.warnings)
+    warn(found.warnings)
     outputs.write({output: found.to_toml().encode()})
-
-
-def _warn(messages: Iterable[str]) -> None:
-    for message in messages:
-        warnings.warn(message, stacklevel=1)
 
 
 @app.command("trajectory")
@@ -118,16 +111,16 @@ def trajectory(
         )
     except InputError as error:
         raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
-    _warn(found.warnings)
+    warn(found.warnings)
     contents = {output: csv_bytes(found.to_frame(), output)}
     try:
         placed = find_steps(found)
     except InputError as error:
         if steps is not None:
             raise InputError(f"{walk}: {error}") from None
-        _warn([f"{walk}: no steps: {error}"])
+        warn([f"{walk}: no steps: {error}"])
     else:
-        _warn(f"{walk}: {text}" for text in placed.warnings)
+        warn(f"{walk}: {text}" for text in placed.warnings)
         if steps is not None:
             contents[steps] = csv_bytes(placed.to_frame(), steps)
     outputs.write(contents)

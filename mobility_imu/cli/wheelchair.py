@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.options import FillGaps, Output, Rate, sub_app
+from mobility_imu.cli.options import FillGaps, Output, Rate, sub_app, warn
 from mobility_imu.errors import InputError, needs
 from mobility_imu.files import Outputs, csv_bytes, figure_bytes
 
@@ -81,7 +79,7 @@ def velocity(
     found = estimate_velocity(
         drive, chair, calibration.mount, settings, offsets=calibration.offsets
     )
-    _warn((*calibration.warnings, *found.warnings))
+    warn((*calibration.warnings, *found.warnings))
     outputs.write({output: csv_bytes(found.to_frame(), output)})
 
 
@@ -95,11 +93,6 @@ def _calibrated(
         if name in drive.sensors:
             line.sensor(name, gyroscope=True)
     return calibrate_mount(still, line, take_off_offsets=take_off_offsets)
-
-
-def _warn(messages: Iterable[str]) -> None:
-    for message in messages:
-        warnings.warn(message, stacklevel=1)
 
 
 def _files(trials: tuple[Path, ...]) -> list[Path]:
@@ -133,7 +126,7 @@ def check(
     drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s)
     calibration = _calibrated(drive, still, line)
     found = check_geometry(drive, chair, calibration.mount, offsets=calibration.offsets)
-    _warn(calibration.warnings)
+    warn(calibration.warnings)
     typer.echo(check_text(found))
 
 
@@ -207,7 +200,7 @@ def tasks(
 
     thresholds, series = read_series(velocity, settings, sampling_rate_hz)
     found = identify_tasks(series, thresholds, edge=edge)
-    _warn(found.warnings)
+    warn(found.warnings)
     table = found.to_frame()
     if direction:
         table["direction"] = turn_direction(found.codes, found.yaw_rate_radps)
