@@ -49,6 +49,7 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "walker/eskf": ("test_walker_navigation",),
     "walker/follow": ("test_walker_trajectory", "test_walker_doors"),
     "walker/mount": ("test_walker_geometry", "test_walker_doors"),
+    "walker/navigation_settings": ("test_walker_navigation", "test_walker_doors"),
     "walker/stillness": ("test_walker_navigation", "test_walker_doors"),
     "walker/trajectory": ("test_walker_uncertainty",),
     "walker/walking_tests": ("test_walker_steps",),
