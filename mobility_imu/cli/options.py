@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -33,6 +31,9 @@ Seed = Annotated[int, typer.Option(help="The same seed gives the same bytes.", m
 Smooth = Annotated[
     bool, typer.Option("--smooth/--no-smooth", help="Smooth the path, or filter only.")
 ]
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="No summary; warnings and errors are still shown.")
+]
 
 
 def sub_app(help_text: str) -> typer.Typer:
@@ -48,14 +49,3 @@ def sub_app(help_text: str) -> typer.Typer:
     """
     # Without markup: [walker] in a help text is a section's name, not a style.
     return typer.Typer(no_args_is_help=True, rich_markup_mode=None, help=help_text)
-
-
-def warn(sentences: Iterable[str]) -> None:
-    """Send the warnings of a result to the user, one line each on stderr.
-
-    Parameters
-    ----------
-    sentences : ``warnings`` of a result
-    """
-    for sentence in sentences:
-        warnings.warn(sentence, stacklevel=2)

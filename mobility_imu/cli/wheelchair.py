@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.options import FillGaps, Output, Rate, sub_app, warn
+from mobility_imu.cli.messages import summarize, warn
+from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, sub_app
 from mobility_imu.errors import InputError, needs
 from mobility_imu.files import Outputs, csv_bytes, figure_bytes
 
@@ -54,8 +55,10 @@ def velocity(
     filter_order: Annotated[int, typer.Option(help="Order of the Savitzky-Golay filter.")] = 2,
     sampling_rate_hz: Rate = 100.0,
     fill_gaps_s: FillGaps = 0.0,
+    quiet: Quiet = False,
 ) -> None:
     """Linear velocity and yaw rate of a chair from wheel and frame IMUs (WheelMove-ID)."""
+    from mobility_imu.cli.summaries import read_line, velocity_lines, written_line
     from mobility_imu.wheelchair import (
         VelocitySettings,
         WheelchairGeometry,
@@ -81,6 +84,7 @@ def velocity(
     )
     warn((*calibration.warnings, *found.warnings))
     outputs.write({output: csv_bytes(found.to_frame(), output)})
+    summarize([read_line(drive), *velocity_lines(found), written_line([output])], quiet)
 
 
 def _calibrated(
@@ -118,8 +122,10 @@ def check(
     geometry: Geometry,
     sampling_rate_hz: Rate = 100.0,
     fill_gaps_s: FillGaps = 0.0,
+    quiet: Quiet = False,
 ) -> None:
     """Whether track, radii and camber fit what the frame's gyroscope says of the turns."""
+    from mobility_imu.cli.summaries import check_lines, read_line
     from mobility_imu.wheelchair import WheelchairGeometry, check_geometry
 
     chair = WheelchairGeometry.from_toml(geometry)
@@ -128,6 +134,7 @@ def check(
     found = check_geometry(drive, chair, calibration.mount, offsets=calibration.offsets)
     warn(calibration.warnings)
     typer.echo(check_text(found))
+    summarize([read_line(drive), *check_lines(found)], quiet)
 
 
 def check_text(found: GeometryCheck) -> str:
@@ -187,6 +194,7 @@ def tasks(
     sampling_rate_hz: Annotated[
         float | None, typer.Option(help="Hz; for files that have no time column.", min=1)
     ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Locomotor tasks and a chronogram from a chair's velocities (WheelMove-ID)."""
     inputs = (velocity,) if settings is None else (velocity, settings)
@@ -195,6 +203,7 @@ def tasks(
         raise InputError(f"--figure {figure}: expected a name that ends in .png, .svg or .pdf")
     if figure is not None:
         needs("matplotlib")  # before the work, not after it
+    from mobility_imu.cli.summaries import tasks_lines, written_line
     from mobility_imu.wheelchair import identify_tasks, task_events
     from mobility_imu.wheelchair.outcomes import turn_direction
 
@@ -213,6 +222,9 @@ def tasks(
     if figure is not None:
         contents[figure] = _chronogram(found, figure)
     outputs.write(contents)
+    rate = series.sampling_rate_hz
+    read = f"read: {velocity}: {len(found) / rate:.1f} s at {rate:.5g} Hz"
+    summarize([read, *tasks_lines(found), written_line(contents)], quiet)
 
 
 def read_series(
