@@ -187,6 +187,8 @@ def test_a_move_of_twice_the_usual_length_may_be_two_steps():
     steps = find_steps(replace(trajectory, stationary=still))
     assert len(steps) == 5 and 2 < steps.swing_s.max() < 3
     assert any("moves too long for one step: 1, up to 2.8 s" in said for said in steps.warnings)
+    still[230:300] = True  # a third longer than the others: one step
+    assert not find_steps(replace(trajectory, stationary=still)).warnings
     assert not find_steps(trajectory).warnings
 
 
