@@ -100,7 +100,7 @@ class NavigationSettings:
         by millimetres per second; larger noise factors for what 200 samples per second leave of the
         hits. The gyroscope's offset is assumed to be as small as a data sheet says (0.25 deg/s,
         LORD 3DM-GX3-25), since a person who waits at the start sways by more;
-        :func:`mobility_imu.walker.estimate_trajectory` takes off a larger one that longer rests
+        ``estimate_trajectory`` takes off a larger one that longer rests
         show. The sizes were chosen on half of 28 public walks with motion capture and given rests.
 
         Returns
