@@ -419,7 +419,6 @@ def _forward(
     sigma = ACCELERATION_SMOOTHING_S * fs
     spin_up = ndimage.gaussian_filter1d(wheel_rate, sigma, order=1) * fs
     acc = _smooth(straight.sensor("frame").acc_mps2, fs)
-    spin_up = spin_up - spin_up.mean()
     if turns:
         side = _smooth(wheel_rate * (straight.gyroscope("frame") @ up), fs)
         side = side - side.mean()

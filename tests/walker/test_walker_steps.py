@@ -233,6 +233,8 @@ def test_summary_of_a_drawn_square():
     summary = walking_summary(find_steps(trajectory))
     assert np.linalg.norm(trajectory.position_m[-1]) < 1e-12 and np.isclose(summary.path_m, 8.0)
     assert summary.step_count == 24 and np.isclose(summary.cadence_per_min, 30)
+    steps = find_steps(trajectory)
+    assert np.isclose(summary.mean_speed_mps, 8.0 / (steps.place_s[23] - steps.lift_s[0]))
     assert np.isclose(summary.step_length_mean_m, 0.5) and summary.step_length_cv < 1e-12
     assert np.allclose(summary.turns.angle_rad, np.pi / 2) and len(summary.turns.angle_rad) == 4
     table = summary.to_frame()
