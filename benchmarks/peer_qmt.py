@@ -10,7 +10,13 @@ from pathlib import Path
 import numpy as np
 import qmt
 
-SETTINGS = {"constraint": "euler", "alignment": "center"}
+SETTINGS = {
+    "constraint": "euler",  # the other two raise an error in 0.2.4
+    "alignment": "center",
+    "windowTime": 32.0,
+    "tauDelta": 2.0,
+    "tauBias": 2.0,
+}
 
 
 def angles_of(data, **settings):
@@ -23,7 +29,13 @@ def angles_of(data, **settings):
     )
     joint = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
     tip = qmt.headingCorrection(
-        data["base_gyr"], data["tip_gyr"], base, tip, time_s, joint, {},
+        data["base_gyr"],
+        data["tip_gyr"],
+        base,
+        tip,
+        time_s,
+        joint,
+        {},
         estSettings={**SETTINGS, **settings},
     )[0]
     relative = qmt.qmult(qmt.qinv(base), tip)

@@ -2,7 +2,8 @@
 
 ``python peer_worklab.py IN OUT``: for each IN/*.npz, OUT/*.npz. As worklab's example goes: resample
 to 400 Hz, take the offset off, process. It has no calibration of the mounting: axes are exchanged
-and their signs set before, and "aligned" is the same with the sensors turned by our calibration.
+and their signs set before. Two more answers tell what matters: "aligned" with the sensors turned by
+our calibration, "not_resampled" at the recording's own rate, where that is lower.
 """
 
 import sys
@@ -12,7 +13,7 @@ import numpy as np
 import pandas as pd
 from worklab.imu import offset, process_imu, resample_imu
 
-RESAMPLED_HZ = 400.0  # windows of its filters are counted in samples of this rate
+RESAMPLED_HZ = 400.0  # its default; a filter's window is counted in samples of this rate
 
 
 def frame_of(time_s, gyr_radps, acc_mps2):
@@ -21,14 +22,14 @@ def frame_of(time_s, gyr_radps, acc_mps2):
     return pd.DataFrame(table, columns=["time", *names])
 
 
-def speed_of(data, way):
+def speed_of(data, way, rate_hz=RESAMPLED_HZ):
     sensors = [name for name in ("frame", "right", "left") if f"{name}_acc" in data]
     time_s = data["time_s"] - data["time_s"][0]
     session = {
         name: frame_of(time_s, data[f"{name}_gyr{way}"], data[f"{name}_acc{way}"])
         for name in sensors
     }
-    session = resample_imu(session, sfreq=RESAMPLED_HZ)
+    session = resample_imu(session, sfreq=rate_hz)
     session = offset(session, n_sensors=len(sensors))
     found = process_imu(
         session,
@@ -45,8 +46,13 @@ def main():
     source, target = Path(sys.argv[1]), Path(sys.argv[2])
     for path in sorted(source.glob("*.npz")):
         data = dict(np.load(path))
-        np.savez(target / path.name, speed_mps=speed_of(data, ""),
-                 aligned_mps=speed_of(data, "_aligned"))
+        own_hz = 1 / float(np.median(np.diff(data["time_s"])))
+        np.savez(
+            target / path.name,
+            speed_mps=speed_of(data, ""),
+            aligned_mps=speed_of(data, "_aligned"),
+            not_resampled_mps=speed_of(data, "", own_hz),
+        )
 
 
 if __name__ == "__main__":
