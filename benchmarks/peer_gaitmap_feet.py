@@ -1,7 +1,8 @@
 """gaitmap's path of a foot, rests given, for bench_peers.py, in an interpreter of its own.
 
 ``python peer_gaitmap_feet.py IN OUT``: for each IN/*.npz, OUT/*.npz. RtsKalman with its own
-settings; instead of its detector, the rests that ours is given too.
+settings, which no other that was tried betters; instead of its detector, the rests that ours is
+given too. "bridged" is the same with our bridges over what the gyroscope has cut off.
 """
 
 import sys
@@ -44,7 +45,9 @@ def path_of(data, **settings):
 def main():
     source, target = Path(sys.argv[1]), Path(sys.argv[2])
     for path in sorted(source.glob("*.npz")):
-        np.savez(target / path.name, path_m=path_of(dict(np.load(path))))
+        data = dict(np.load(path))
+        bridged = {**data, "gyr": data["gyr_bridged"]}
+        np.savez(target / path.name, path_m=path_of(data), bridged_m=path_of(bridged))
 
 
 if __name__ == "__main__":
