@@ -11,7 +11,7 @@ RATE_HZ, RANGE_RADPS = 200.0, 8.7
 
 
 def swings(seconds=12.0, each_s=0.6, peak_radps=16.0):
-    """Rates of a foot about its y axis: to and fro, with rests, the forward swing cut off."""
+    """Rates of a foot about its y axis: back and forth, with rests, the forward swing cut off."""
     time = np.arange(0, seconds, 1 / RATE_HZ)
     rate = np.zeros((len(time), 3))
     for start in np.arange(2.0, seconds - 2.0, 1.5):
