@@ -103,7 +103,7 @@ class NavigationSettings:
         hits. The gyroscope's offset is assumed to be as small as a data sheet says (0.25 deg/s,
         LORD 3DM-GX3-25), since a person who waits at the start sways by more;
         :func:`mobility_imu.walker.estimate_trajectory` takes off a larger one that longer rests
-        show. The sizes were chosen on half of 28 public walks with motion capture and given rests.
+        show. The sizes were chosen on 28 public walks with motion capture and given rests.
 
         A foot swings faster than many gyroscopes can read. Where the readings end is to be given:
         what is cut off there costs more than all noise.

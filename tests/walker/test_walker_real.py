@@ -1,8 +1,8 @@
 """Walker on recordings that others made: steps labelled by people, feet under motion capture.
 
 Of the walks only the steps are known, neither course nor place. Of the feet the rests are given
-too (the best mask of the data's origin), and the heading's zero is fitted. Half of the feet's walks
-chose ``NavigationSettings.for_foot``: those at even places of the list of names.
+too (the best mask of the data's origin), and the heading's zero is fitted. All of these
+walks were seen when ``NavigationSettings.for_foot`` was chosen: no half of them is held out.
 """
 
 import functools
@@ -205,7 +205,7 @@ def test_a_foot_that_is_faster_than_its_gyroscope():
 
 
 @feet
-@pytest.mark.parametrize("half", [0, 1], ids=["chosen on", "held out"])
+@pytest.mark.parametrize("half", [0, 1], ids=["odd places", "even places"])
 def test_feet_with_their_own_settings(half):
     """At most 8 cm (median); the stated sd lies between half and twice the error (median)."""
     rms, ratio, covered = judged(foot_names()[half::2], NavigationSettings.for_foot())
