@@ -255,7 +255,7 @@ def test_a_trial_that_turns_gives_its_straightest_part_if_that_is_long(turning_s
         begin, end = re.search(r"part is used, (.*) to (.*) s", found.warnings[0]).groups()
         assert float(begin) < 2.1 and 5.9 < float(end) < 8.5
     else:
-        with pytest.raises(InputError, match="heading changes by|the chair turned"):
+        with pytest.raises(InputError, match=r"heading changes by|the chair turned"):
             calibrate_mount(static, drive(legs))
 
 
