@@ -18,6 +18,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Recording
 from mobility_imu.reproduction.wheelchair.real_common import (
+    INSIDE,
     Against,
     Numbers,
     against,
@@ -200,7 +201,7 @@ def real_numbers(folder: Path, names: list[str] | None = None) -> Numbers:
         "speed_rms_mps": spread(row["speed"]["rms"] for row in rows),
         "path_ratio": spread(row["path_ratio"] for row in rows),
         "speed_sd_over_rms": spread(row["speed"]["sd_over_rms"] for row in rows),
-        "speed_inside": float(np.mean(np.abs(ratios) < 1.96)),
+        "speed_inside": float(np.mean(np.abs(ratios) < INSIDE)),
         "speed_ratio_fractions": ratio_fractions(ratios),
         "position_rms_m": spread(row["position_rms_m"] for row in rows),
     }

@@ -225,7 +225,7 @@ def checksums(folder: Path, names: Iterable[str]) -> dict[str, str]:
     }
 
 
-def origin_of(dataset: str) -> Numbers:
+def origin_of(dataset: str) -> str:
     """Where a data set is from, for its record.
 
     Parameters
@@ -234,16 +234,10 @@ def origin_of(dataset: str) -> Numbers:
 
     Returns
     -------
-    dict with ``name``, ``repository``, ``commit``, ``licence``, ``about``
+    str with address, commit and licence
     """
     known = find_dataset(dataset)
-    return {
-        "name": known.name,
-        "repository": known.origin,
-        "commit": known.commit,
-        "licence": known.licence,
-        "about": known.about,
-    }
+    return f"{known.origin} at {known.commit}; licence: {known.licence}"
 
 
 def rounded(value: Any) -> Any:

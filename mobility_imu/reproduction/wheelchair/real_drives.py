@@ -22,6 +22,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Recording
 from mobility_imu.reproduction.wheelchair.real_common import (
+    INSIDE,
     Numbers,
     checksums,
     offset_numbers,
@@ -34,7 +35,7 @@ from mobility_imu.results import Result
 from mobility_imu.simulation.sensor import MTI_1, SensorModel
 from mobility_imu.simulation.wheelchair import Leg, random_mounting, simulate_court
 from mobility_imu.wheelchair.calibration import WheelchairCalibration, calibrate_mount
-from mobility_imu.wheelchair.check import GeometryCheck, check_geometry
+from mobility_imu.wheelchair.check import SLOWEST_TURN_RADPS, GeometryCheck, check_geometry
 from mobility_imu.wheelchair.codes import Task
 from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
 from mobility_imu.wheelchair.outcomes import detect_pushes
@@ -242,6 +243,7 @@ def drive_row(folder: Path, ridden: Ridden) -> Numbers:
         "slip_with_saturated": float(wrong_slip.flags(len(found)).mean()),
         "clocks": clock_shifts(ridden),
         "tasks": _task_fractions(found),
+        "turning_degps": _usual_turn(found),
         "pushes": len(detect_pushes(found.time_s, found.linear_velocity_mps).onset_s),
         "tracks_by_calibration": _tracks(folder, ridden.name) if check.judged else {},
     }
@@ -256,6 +258,12 @@ def _task_fractions(found: ChairVelocity) -> Numbers:
     codes = identify_tasks(found).codes
     moving = codes[codes != Task.STATIC]
     return {task.title: float(np.mean(moving == task)) for task in Task if task != Task.STATIC}
+
+
+def _usual_turn(found: ChairVelocity) -> float:
+    """Median yaw rate while the chair turns faster than 0.3 rad/s, deg/s."""
+    size = np.abs(found.yaw_rate_radps)
+    return float(np.rad2deg(np.median(size[size > SLOWEST_TURN_RADPS])))
 
 
 def _tracks(folder: Path, name: str) -> Numbers:
@@ -429,7 +437,7 @@ def summary_of(rows: list[Numbers]) -> Numbers:
         "turn_less_by_hand_deg": spread(row["turn_deg"] - row["turn_by_hand_deg"] for row in rows),
         "track_m": spread(row["track_m"] for row in judged),
         "track_inside": sum(
-            abs(row["track_m"] - row["track_by_hand_m"]) < 1.96 * row["track_sd_m"]
+            abs(row["track_m"] - row["track_by_hand_m"]) < INSIDE * row["track_sd_m"]
             for row in judged
         ),
         "saturated_drives": sum(bool(row["saturated_s"]) for row in rows),
@@ -491,6 +499,6 @@ def study(executor: Any = None) -> Numbers | None:
         "origin": origin_of(DATASET),
         "command": f"python -m mobility_imu.reproduction.recorded {RECORD}",
         **found,
-        "simulated": rounded(simulated()),
     }
+    numbers["summary"]["simulated"] = rounded(simulated())
     return {"numbers": numbers, "inputs": found["files"]}

@@ -75,8 +75,8 @@ def real_note(name: str) -> str:
         same = sum(checksums(folder, [f])[f] == sha256 for f, sha256 in files.items())
         checked = f"yes, from {same} of {len(files)} files with the recorded SHA-256"
     return (
-        f"{origin['name']}: {origin['repository'].removeprefix('https://')}\n"
-        f"at {origin['commit'][:12]}; licence: {origin['licence']}; {len(files)} files\n"
+        f"{origin.removeprefix('https://')}\n"
+        f"{len(files)} files; the record has the SHA-256 of each\n"
         f"recorded on {record['date']} by {record['command']}\n"
         f"computed again and compared here: {checked}"
     )
