@@ -173,7 +173,7 @@ def plot_trials(rows: Sequence[Numbers], simulated: Numbers) -> Figure:
     names = [row["trial"] for row in rows]
     place = np.arange(len(rows))[::-1]
     with use_style():
-        figure, ax = plt.subplots(figsize=(7.6, 5.2))
+        figure, ax = plt.subplots(figsize=(7.6, 4.6))
         ax.axvspan(
             simulated["least"], simulated["most"], color="#E4E4E4", label="simulated, all courts"
         )
@@ -226,15 +226,16 @@ def plot_wheels_and_frame(series: Mapping[str, Numbers]) -> Figure:
                 label="wheels",
             )
             for ax in (top, bottom):
+                limit = np.asarray(one["usable"]) < 1
                 ax.fill_between(
                     time_s,
                     0,
                     1,
-                    where=np.asarray(one["usable"]) < 1,
+                    where=limit,
                     transform=ax.get_xaxis_transform(),
                     color="#DDDDDD",
                     linewidth=0,
-                    label="a wheel's gyroscope is at its limit",
+                    label="a wheel's gyroscope is at its limit" if limit.any() else None,
                 )
             bottom.set_xlabel("time, s")
         axes[0, 0].set_ylabel("speed, m/s")
