@@ -177,3 +177,21 @@ def test_wheels_that_disagree_make_the_camber_uncertain():
     spread = np.hypot(0.02, 0.002)
     assert sd_other == pytest.approx(spread / max(np.sin(other), np.sqrt(2 * spread)))
     assert sd_other > 2 * sd_same
+
+
+def test_an_offset_that_contradicts_the_rest_widens_the_uncertainty():
+    """A wheel's gyroscope reads 3 deg/s more as soon as it moves: the rests do not show it."""
+    court = random_court(7, slips=0)
+    static, straight = court.calibration_trials(MTI_1)
+    cal = calibrate_mount(static.recording, straight.recording)
+    drive = court.drive(MTI_1)
+    before = check_geometry(drive.recording, court.geometry, cal.mount, offsets=cal.offsets)
+    wheel = drive.recording.sensors["left_wheel"]
+    moving = (np.abs(drive.linear_velocity_mps) > 0.02) | (np.abs(drive.yaw_rate_radps) > 0.02)
+    axle = cal.mount.rotation_imu_to_wheel("left")[2]
+    gyr = wheel.gyr_radps + np.deg2rad(3.0) * moving[:, None] * axle
+    sensors = {**drive.recording.sensors, "left_wheel": Imu(wheel.acc_mps2, gyr)}
+    changed = Recording(drive.recording.time_s, sensors)
+    after = check_geometry(changed, court.geometry, cal.mount, offsets=cal.offsets)
+    assert after.track_sd_m > 1.5 * before.track_sd_m
+    assert abs(after.track_m - court.geometry.track_m) < 3 * after.track_sd_m
