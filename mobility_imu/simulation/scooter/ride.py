@@ -9,6 +9,7 @@ import numpy as np
 from scipy import interpolate, signal
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number
 from mobility_imu.recording import Recording
@@ -22,7 +23,6 @@ from mobility_imu.scooter.geometry import (
     rotation_steering_column_to_body,
     rotation_steering_to_column,
 )
-from mobility_imu.simulation.checks import check_kind
 from mobility_imu.simulation.kinematics import felt_by_imu
 from mobility_imu.simulation.scooter.course import Course, Ground, ground_line, level_at
 from mobility_imu.simulation.scooter.driver import SPEED_LIMIT_MPS, Driver, ScooterMotion, drive
@@ -112,9 +112,9 @@ def simulate_ride(
         If the sensor loses samples or jitters, the sampling rate is not positive or above FAST_HZ,
         or the seed is negative or not whole.
     """
-    check_kind(course, Course, "course")
-    check_kind(geometry, ScooterGeometry, "geometry")
-    check_kind(sensor, SensorModel, "sensor")
+    expect("course", course, Course)
+    expect("geometry", geometry, ScooterGeometry)
+    expect("sensor", sensor, SensorModel)
     sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
     if sensor.dropped_share > 0 or sensor.clock_jitter_s > 0:
         raise InputError(
