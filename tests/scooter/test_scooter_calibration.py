@@ -61,7 +61,7 @@ def test_stills_are_found_one_per_pose():
         assert (
             3.0 * k - 0.2 <= parked.time_s[still.start] < parked.time_s[still.stop] <= 3 * k + 2.3
         )
-    with pytest.raises(InputError, match=r"6 still stretches .* expected 5"):
+    with pytest.raises(InputError, match=r"6 still intervals .* expected 5"):
         parked_poses(parked, POSES[:5])
 
 

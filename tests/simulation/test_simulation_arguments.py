@@ -266,13 +266,13 @@ IMPOSSIBLE = {
         lambda: scooter.simulate_ride("side", seed=0),
         "course: got str, expected Course",
     ),
-    "no stretch": (lambda: scooter.Course("none", ()), "stretches: none"),
-    "stretch": (
-        lambda: scooter.Course("x", (scooter.Stretch(-1.0),)),
-        r"stretches\[0\]\.length_m = -1",
+    "no segment": (lambda: scooter.Course("none", ()), "segments: none"),
+    "segment": (
+        lambda: scooter.Course("x", (scooter.Segment(-1.0),)),
+        r"segments\[0\]\.length_m = -1",
     ),
     "grade": (
-        lambda: scooter.Course("x", (scooter.Stretch(1.0, grade_rad=7.0),)),
+        lambda: scooter.Course("x", (scooter.Segment(1.0, grade_rad=7.0),)),
         r"grade_rad = 7: expected up to pi/4 \(in deg\?\)",
     ),
     "points": (lambda: SIDE.outline(1), "points = 1"),
@@ -422,17 +422,17 @@ def test_outlines_join_and_end_where_the_middle_line_does(name):
 
     course = scooter.COURSES[name]
     lines = course.outline(30)
-    assert len(lines) == len(course.stretches) and {line.shape for line in lines} == {(30, 3)}
+    assert len(lines) == len(course.segments) and {line.shape for line in lines} == {(30, 3)}
     for before, after in pairwise(lines):
         assert np.array_equal(before[-1], after[0])
     along = [np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines]
-    assert along == pytest.approx([s.length_m for s in course.stretches], rel=1e-3)
-    climb = sum(s.length_m * np.sin(s.grade_rad) for s in course.stretches)
+    assert along == pytest.approx([s.length_m for s in course.segments], rel=1e-3)
+    climb = sum(s.length_m * np.sin(s.grade_rad) for s in course.segments)
     assert lines[-1][-1, 2] == pytest.approx(climb, abs=1e-12)
     distance, middle = middle_line(course)
     end = middle[np.searchsorted(distance, course.length_m)]
-    heading = 0.02 * max(abs(s.curvature_pm) for s in course.stretches)
-    shorter = sum(s.length_m * (1 - np.cos(s.grade_rad)) for s in course.stretches)
+    heading = 0.02 * max(abs(s.curvature_pm) for s in course.segments)
+    shorter = sum(s.length_m * (1 - np.cos(s.grade_rad)) for s in course.segments)
     near = 0.02 + shorter + heading * course.length_m
     assert lines[-1][-1, :2] == pytest.approx(end, abs=near)
 
