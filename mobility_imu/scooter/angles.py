@@ -18,10 +18,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
     FloatArray,
+    as_floats,
     as_number,
     as_vectors,
     one_of,
@@ -118,7 +120,7 @@ def steering_angle(
     InputError
         If the arrays are not three-vectors or do not broadcast together.
     """
-    lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
+    lever, body = _vectors(lever_acc_mps2, body_acc_mps2, geometry)
     column = column_vector(body, geometry.steering_inclination_rad)
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer, not an accident
         sine = lever[..., 0] / np.sqrt(column.x**2 + column.c1**2)
@@ -152,7 +154,7 @@ def throttle_angle(
     InputError
         If the arrays are not three-vectors or do not broadcast together.
     """
-    lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
+    lever, body = _vectors(lever_acc_mps2, body_acc_mps2, geometry)
     column = column_vector(body, geometry.steering_inclination_rad)
     k1, (_, k2) = column.k1, steered(column, np.asarray(steering_rad, float))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -189,7 +191,7 @@ def three_axis_angles(
     InputError
         If the arrays are not three-vectors or do not broadcast together.
     """
-    lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
+    lever, body = _vectors(lever_acc_mps2, body_acc_mps2, geometry)
     shape = np.broadcast_shapes(lever.shape, body.shape)
     lever, body = (np.broadcast_to(v, shape).reshape(-1, 3) for v in (lever, body))
     angles = np.empty((2, len(lever)))
@@ -287,7 +289,8 @@ def estimate_angles(
     """
     one_of("form", form, ("corrected", "printed"))
     level = (0.0, 0.0, STANDARD_GRAVITY_MPS2)
-    lever, body = _vectors(lever_acc_mps2, level if body_acc_mps2 is None else body_acc_mps2)
+    body_acc = level if body_acc_mps2 is None else body_acc_mps2
+    lever, body = _vectors(lever_acc_mps2, body_acc, geometry)
     with np.errstate(all="ignore"):  # what overflows has no angle
         check_gravity(lever, body, geometry)
 
@@ -358,22 +361,31 @@ def angle_standard_deviations(
     >>> [round(float(np.rad2deg(value)), 3) for value in sd]
     [0.168, 0.057]
     """
+    expect("geometry", geometry, ScooterGeometry)
     lever = as_vectors(lever_acc_mps2, "lever_acc_mps2")
+    steering, throttle = (
+        as_floats(steering_rad, "steering_rad"),
+        as_floats(throttle_rad, "throttle_rad"),
+    )
     lever_sd = as_number(lever_sd_mps2, "lever_sd_mps2", zero=True)
     body_sd = as_number(body_sd_mps2, "body_sd_mps2", zero=True)
     x, y, z = lever[..., 0], lever[..., 1], lever[..., 2]
-    tipped = geometry.lean_rad + np.asarray(throttle_rad, float)
+    tipped = geometry.lean_rad + throttle
     arm, along_shaft = turn(y, z, np.sin(tipped), np.cos(tipped))  # K2, K1
     length = np.linalg.norm(lever, axis=-1)
     noise = np.hypot(lever_sd, body_sd)
     with np.errstate(divide="ignore", invalid="ignore"):
         # det(HᵀH) = (length arm)²
         scale = noise / (length * np.abs(arm))
-        scale = np.where(np.isnan(steering_rad), np.nan, scale)
+        scale = np.where(np.isnan(steering), np.nan, scale)
         return scale * np.hypot(along_shaft, arm), scale * np.hypot(x, arm)
 
 
-def _vectors(lever_acc: ArrayLike, body_acc: ArrayLike) -> tuple[FloatArray, FloatArray]:
+def _vectors(
+    lever_acc: ArrayLike, body_acc: ArrayLike, geometry: ScooterGeometry
+) -> tuple[FloatArray, FloatArray]:
+    """Both accelerations as arrays; they and the geometry are checked."""
+    expect("geometry", geometry, ScooterGeometry)
     lever = as_vectors(lever_acc, "lever_acc_mps2")
     body = as_vectors(body_acc, "body_acc_mps2")
     try:

@@ -5,7 +5,7 @@ Every size is an assumption of ours unless it says where it is from.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -63,6 +63,9 @@ class Course:
 
     def __post_init__(self) -> None:
         """Check every part."""
+        if not isinstance(self.segments, Iterable):
+            got = type(self.segments).__name__
+            raise InputError(f"segments: got {got}, expected a sequence of Segment")
         object.__setattr__(self, "segments", tuple(self.segments))
         check_positive(self, "transition_m", allow_zero=("transition_m",))
         if not self.segments:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import interpolate, signal
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.arguments import expect
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number
 from mobility_imu.recording import Recording
@@ -109,8 +109,8 @@ def simulate_ride(
     Raises
     ------
     InputError
-        If the sensor loses samples or jitters, the sampling rate is not positive or above FAST_HZ,
-        or the seed is negative or not whole.
+        If a part is of another class, the sensor loses samples or jitters, the sampling rate is not
+        positive or above FAST_HZ, or the seed is negative or not whole.
     """
     expect("course", course, Course)
     expect("geometry", geometry, ScooterGeometry)
@@ -121,8 +121,12 @@ def simulate_ride(
             "sensor: lost samples and jitter differ between the two IMUs of a ride, whose samples "
             "are paired here; expected dropped_share = 0 and clock_jitter_s = 0"
         )
-    unit, driver, layout = unit or ScooterUnit(), driver or Driver(), layout or Layout()
-    ground, shaking = ground or Ground(), shaking or Shaking()
+    unit = settings_or_default("unit", unit, ScooterUnit)
+    driver = settings_or_default("driver", driver, Driver)
+    layout = settings_or_default("layout", layout, Layout)
+    ground = settings_or_default("ground", ground, Ground)
+    shaking = settings_or_default("shaking", shaking, Shaking)
+    reference = settings_or_default("reference", reference, Reference)
     rng = stream(seed, 13)
     motion = drive(course, driver, layout, geometry, rng)
     time_s = np.arange(0.0, motion.time_s[-1], 1 / FAST_HZ)
@@ -146,7 +150,7 @@ def simulate_ride(
             seed=2 * seed + k,
             unit_seed=2 * unit.unit_seed + k,
         )
-    wires = read_reference(fast, reference or Reference(), sampling_rate_hz, rng)
+    wires = read_reference(fast, reference, sampling_rate_hz, rng)
     return _as_ride(course, outputs, wires, time_s, fast)
 
 

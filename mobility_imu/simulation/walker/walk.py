@@ -303,6 +303,8 @@ def _plan(
     lift_s = style.first_still_s + np.r_[0.0, np.cumsum(swing + stance)[:-1]]
     facing = np.cumsum(turn) - turn
     made = lift_s < style.first_still_s + (np.inf if duration_s is None else duration_s)
+    if not made.any():  # so short that the sum is not later than the first lift
+        raise InputError(f"duration_s = {duration_s:g}: no step begins in so short a time")
     return _Plan(*(part[made] for part in (length, turn, facing, lift_s, swing, lift, pitch)))
 
 

@@ -172,6 +172,33 @@ def checked_rate(sampling_rate_hz: float) -> float:
     return rate
 
 
+def samples_of(legs: Sequence[Leg], sampling_rate_hz: float) -> int:
+    """Number of samples of a drive along legs.
+
+    Parameters
+    ----------
+    legs : of Leg
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    int, 2 or more
+
+    Raises
+    ------
+    InputError
+        If the drive is over before the second sample.
+    """
+    duration_s = sum(leg.duration_s for leg in legs)
+    count = round(duration_s * sampling_rate_hz)
+    if count < 2:
+        raise InputError(
+            f"sampling_rate_hz = {sampling_rate_hz:g}: {count} sample(s) in the {duration_s:g} s "
+            "of the legs, expected at least 2"
+        )
+    return count
+
+
 def stepped(
     values: Sequence[float], ends: FloatArray, time_s: FloatArray, transition_s: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -23,6 +23,7 @@ from mobility_imu.simulation.wheelchair.chair import (
     check_mounting,
     checked_rate,
     frame_imu,
+    samples_of,
     sloping,
     stepped,
     wheel_imu,
@@ -125,7 +126,7 @@ def simulate_court(
     seeds = as_count(seed, "seed", least=0), as_count(unit_seed, "unit_seed", least=0)
     _check_model(model)
     _check_slips(slips)
-    count = round(sum(leg.duration_s for leg in legs) * sampling_rate_hz)
+    count = samples_of(legs, sampling_rate_hz)
     # A sensor model samples by itself, out of something faster.
     finer = 1 if model is None else FINER
     time_s = np.arange((count - 1) * finer + 1) / (sampling_rate_hz * finer)

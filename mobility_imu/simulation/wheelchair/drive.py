@@ -25,6 +25,7 @@ from mobility_imu.simulation.wheelchair.chair import (
     check_mounting,
     checked_rate,
     frame_imu,
+    samples_of,
     sloping,
     stepped,
     wheel_imu,
@@ -148,7 +149,7 @@ def simulate_drive(
     for leg in legs:
         if leg.slope_deg:
             raise InputError(f"slope_deg = {leg.slope_deg:g}: this drive is on a flat floor")
-    count = round(sum(leg.duration_s for leg in legs) * sampling_rate_hz)
+    count = samples_of(legs, sampling_rate_hz)
     time_s = np.arange(count) / sampling_rate_hz
     ends = np.cumsum([leg.duration_s for leg in legs])[:-1]
     speed, speed_change, _ = stepped(
