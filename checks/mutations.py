@@ -34,6 +34,7 @@ TIMES = 4.0
 
 BESIDE: dict[str, tuple[str, ...]] = {
     "mobility_imu/hinges": ("scooter/test_scooter_angles",),
+    "scooter/angles": ("test_scooter_validity",),
     "scooter/calibration": ("test_scooter_ride",),
     "scooter/geometry": ("test_scooter_angles",),
     "scooter/mount": ("test_scooter_ride", "test_scooter_calibration"),

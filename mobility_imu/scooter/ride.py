@@ -235,7 +235,8 @@ def _estimate(
         if settings.method == "fusion":
             angles = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
         else:
-            angles = _closed_form(acc, geometry, mount, settings)
+            angles, accelerated = _closed_form(acc, geometry, mount, settings)
+            warnings += [f"{ride.source}: {warning}" for warning in accelerated]
             warnings += _median_warnings(settings.median_window, ride.sampling_rate_hz)
     except InputError as error:
         raise InputError(f"{ride.source}: {error}") from None
@@ -306,7 +307,8 @@ def _closed_form(
     geometry: ScooterGeometry,
     mount: ScooterMount | None,
     settings: RideSettings,
-) -> tuple[Any, ...]:
+) -> tuple[tuple[Any, ...], tuple[str, ...]]:
+    """Angles, standard deviations and flags, and warnings."""
     smooth = {name: median_filter(values, settings.median_window) for name, values in acc.items()}
     lever, body = _turned(smooth, mount)
     found = estimate_angles(lever, body, geometry, form=settings.form)
@@ -321,7 +323,7 @@ def _closed_form(
             lever_sd_mps2=noise,
             body_sd_mps2=0.0 if body is None else noise,
         )
-    return found.steering_rad, found.throttle_rad, *sd, found.valid
+    return (found.steering_rad, found.throttle_rad, *sd, found.valid), found.warnings
 
 
 def _median_warnings(window: int, sampling_rate_hz: float) -> list[str]:
