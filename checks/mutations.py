@@ -61,7 +61,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
         "where the last block of pairs ends changes its length, not what is found in it"
     ),
 }
-"""Lines, by file and a part of their text, of which some mutations give the same answer, and why."""
+"""Lines, by file and a part of their text, of which some mutations give the same answer; why."""
 
 BINARY = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*", ast.Pow: "*", ast.MatMult: "-"}
 COMPARED = {
