@@ -149,6 +149,7 @@ def simulate_ride(
             sampling_rate_hz=sampling_rate_hz,
             seed=2 * seed + k,
             unit_seed=2 * unit.unit_seed + k,
+            speed_share=fast.speed_mps / SPEED_LIMIT_MPS,
         )
     wires = read_reference(fast, reference, sampling_rate_hz, rng)
     return _as_ride(course, outputs, wires, time_s, fast)

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 # Simulated motion per sample of a sensor model: 2.5 ms at 100 Hz, a hundredth of a push.
 FINER = 4
+FULL_SPEED_MPS = 1.0
+"""Speed that the sizes of a sensor model's vibration are for."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -146,7 +148,8 @@ def simulate_court(
             slip_change_mps2=rim[side][1],
         )
     if model is not None:
-        imus = _measured(time_s, imus, model, sampling_rate_hz, seeds)
+        share = np.abs(motion.velocity) / FULL_SPEED_MPS
+        imus = _measured(time_s, imus, model, sampling_rate_hz, seeds, share)
     stated = time_s[::finer]
     ends = np.cumsum([leg.duration_s for leg in legs])[:-1]
     task = np.array([leg.task for leg in legs], np.int8)
@@ -208,6 +211,7 @@ def _measured(
     model: SensorModel,
     sampling_rate_hz: float,
     seeds: tuple[int, int],
+    speed_share: FloatArray,
 ) -> dict[str, Imu]:
     """Readings of the three sensors through a sensor model; seeds of power-up and unit."""
     readings = {}
@@ -221,6 +225,7 @@ def _measured(
             sampling_rate_hz=sampling_rate_hz,
             seed=3 * seeds[0] + k,
             unit_seed=3 * seeds[1] + k,
+            speed_share=speed_share,
         ).imu
     return readings
 
