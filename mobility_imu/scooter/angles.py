@@ -324,23 +324,22 @@ def estimate_angles(
     lever, body = _vectors(lever_acc_mps2, body_acc, geometry)
     with np.errstate(all="ignore"):  # what overflows has no angle
         check_gravity(lever, body, geometry)
-
+        lever_length, body_length = (np.linalg.norm(acc, axis=-1) for acc in (lever, body))
         if form == "corrected":
             steering, throttle = three_axis_angles(lever, body, geometry)
-            sideways = _scaled_sideways(lever, body)
+            sideways = _scaled_sideways(lever, lever_length, body_length)
         else:
             steering = steering_angle(lever, body, geometry)
             throttle = throttle_angle(lever, body, steering, geometry)
             sideways = lever[..., 0]
         column = column_vector(body, geometry.steering_inclination_rad)
         k2 = np.abs(steered(column, steering)[1])
-        shortest = OBSERVABILITY_LIMIT * np.linalg.norm(body, axis=-1)
-        off = _length_error(lever)
+        off = _length_error(lever_length)
         if body_acc_mps2 is not None:
-            off = np.maximum(off, _length_error(body))
+            off = np.maximum(off, _length_error(body_length))
         fast = off * np.hypot(column.k1, k2) > LARGEST_ERROR_RAD * k2
-        leans = body[..., 2] < np.cos(LARGEST_LEAN_RAD) * np.linalg.norm(body, axis=-1)
-        observable = k2 > shortest
+        leans = body[..., 2] < np.cos(LARGEST_LEAN_RAD) * body_length
+        observable = k2 > OBSERVABILITY_LIMIT * body_length
         valid = (
             np.isfinite(steering)
             & np.isfinite(throttle)
@@ -438,9 +437,8 @@ def _vectors(
     return lever, body
 
 
-def _length_error(acc: FloatArray) -> FloatArray:
+def _length_error(length: FloatArray) -> FloatArray:
     """How far the length of each reading is off gravity, as a fraction of it."""
-    length = np.linalg.norm(acc, axis=-1)
     return np.asarray(np.abs(length / STANDARD_GRAVITY_MPS2 - 1))
 
 
@@ -463,11 +461,12 @@ def _accelerated(
     )
 
 
-def _scaled_sideways(lever: FloatArray, body: FloatArray) -> FloatArray:
+def _scaled_sideways(
+    lever: FloatArray, lever_length: FloatArray, body_length: FloatArray
+) -> FloatArray:
     """Lever's x component, as it would be with the lever's length equal to the body's."""
-    length = np.linalg.norm(lever, axis=-1)
-    length = np.where(np.isinf(length), np.nan, length)
-    return np.asarray(lever[..., 0] * (np.linalg.norm(body, axis=-1) / length))
+    length = np.where(np.isinf(lever_length), np.nan, lever_length)
+    return np.asarray(lever[..., 0] * (body_length / length))
 
 
 def check_gravity(lever: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> None:
