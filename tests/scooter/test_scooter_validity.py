@@ -220,6 +220,28 @@ def test_how_many_samples_speak_for_a_right_sign():
             estimate_angles(lever, LEVEL, SUZUKI_ET4D)
 
 
+@pytest.mark.parametrize("samples", [slice(0, 25), slice(500, 800)])
+def test_a_sign_is_right_from_90_deg_on(samples):
+    """A quarter of a degree within, at first or in more than a tenth of the samples."""
+    lever = np.tile(at(0.0, 150.0), (1000, 1))
+    lever[samples] = at(0.0, 89.75)
+    estimate_angles(lever, LEVEL, SUZUKI_ET4D)
+
+
+def test_blows_at_first_do_not_reverse_a_sign():
+    """Ten of the first 25 readings are large and on the wrong side."""
+    lever = np.tile(at(0.0, 150.0), (1000, 1))
+    lever[:15] = at(0.0)
+    lever[15:25] *= 5
+    estimate_angles(lever, LEVEL, SUZUKI_ET4D)
+
+
+def test_a_sign_that_nothing_shows_is_not_reversed():
+    lever, body = np.tile(at(0.0), (100, 1)), np.tile(LEVEL, (100, 1))
+    lever[:50], body[50:] = np.nan, np.nan
+    assert not estimate_angles(lever, body, SUZUKI_ET4D).valid.any()
+
+
 def test_a_long_recording_is_looked_at_from_its_beginning_to_its_end():
     """A minute at rest, then an hour beyond 90 deg: a twentieth is not enough, but it began so."""
     lever = np.tile(at(0.0, 150.0), (200_000, 1))
