@@ -95,7 +95,7 @@ def scooter_mount_lines(found: ScooterCalibration) -> list[str]:
 
 
 def velocity_lines(found: ChairVelocity) -> list[str]:
-    """Distance and turn with their uncertainty, and how long a wheel slipped.
+    """Distance forward less backward and turn with their uncertainty, and slip.
 
     The errors of the speed count as one error that keeps its sign: this is their worst case.
 
@@ -108,13 +108,14 @@ def velocity_lines(found: ChairVelocity) -> list[str]:
     list of str
     """
     speed, step = found.linear_velocity_mps, 1 / found.sampling_rate_hz
-    way, way_sd = step * np.abs(speed).sum(), step * found.linear_velocity_sd_mps.sum()
+    way, way_sd = step * speed.sum(), step * found.linear_velocity_sd_mps.sum()
     turn, turn_sd = (
         step * np.rad2deg(rate).sum() for rate in (found.yaw_rate_radps, found.yaw_rate_sd_radps)
     )
     doubt = f"sd at most {turn_sd:.2g} deg"
     return [
-        f"way: {way:.2f} m (sd at most {way_sd:.2g} m); largest speed {speed.max():.2f} m/s",
+        f"distance forward: {way:.2f} m (sd at most {way_sd:.2g} m); "
+        f"largest speed {speed.max():.2f} m/s",
         f"turn from beginning to end: {_whole(turn)} deg ({doubt}), left positive",
         f"slip: {_percent(found.slip)} of the time"
         if np.isfinite(found.wheel_yaw_rate_radps).any()

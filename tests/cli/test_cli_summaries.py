@@ -60,7 +60,7 @@ def test_a_calibration_tells_the_turns_of_both_sensors(parked, works):
 def test_a_drive_tells_its_way_and_its_turn(works, tmp_path):
     _, way, turn, slip, _ = lines_of(works(*velocity()))
     table = pd.read_csv(tmp_path / "v.csv")
-    assert way.startswith(f"way: {table['linear_velocity_mps'].abs().sum() / 100:.2f} m")
+    assert way.startswith(f"distance forward: {table['linear_velocity_mps'].sum() / 100:.2f} m")
     turned = table["yaw_rate_degps"].sum() / 100
     assert turn.startswith(f"turn from beginning to end: {turned:.0f} deg (sd at most ")
     assert slip == "slip: 0 % of the time"
