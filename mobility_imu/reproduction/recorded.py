@@ -72,7 +72,7 @@ STUDIES: dict[str, Study] = {
         ("walker_table1.csv",),
     ),
     "real_walks": Study(
-        "mobility_imu.reproduction.walker.real_walks",
+        "mobility_imu.reproduction.walker.real_walks_study",
         "real_walks",
         "0 to 7 for the simulated walks",
         reads_recordings=True,
