@@ -46,6 +46,10 @@ FILL_GAPS_S = 0.05
 """Gaps of the clock up to this are filled, as ``--fill-gaps-s`` does."""
 UPRIGHT_S = 0.5
 """The gravity of this time at the start makes the mount."""
+FAST_MPS = 0.5
+"""A foot that moves faster does not rest, whatever the mask says."""
+JUMP_MPS = 10.0
+"""No foot is so fast (twice the fastest swing of a runner here): markers were exchanged or lost."""
 SURE_M = 1e-4
 """Where the stated standard deviation is below this the walk has not begun."""
 WITHIN = 1.96
@@ -259,7 +263,9 @@ def foot_row(folder: Path, name: str) -> dict[str, Any]:
     -------
     dict: ``walk``, ``seconds``, ``way_m`` and ``climb_m`` (range of the height) by motion capture,
     ``speed_mps``, ``still_percent``, ``longest_move_s`` and ``slide_mps`` (rms speed of the foot
-    in the given rests, by motion capture); for each of ``WAYS`` what :func:`judged` gives with the
+    in the given rests, by motion capture); ``fast_rests``, given rests in which the foot's mean
+    speed is above ``FAST_MPS``, and ``fastest_rest_mps``; ``truth_jumps``, samples at which the
+    motion capture itself moves faster than ``JUMP_MPS``; for each of ``WAYS`` what :func:`judged` gives with the
     path's ``warnings``, or ``refused``; ``detector_still_percent``; ``strapdown_rms_m`` by
     integration with the velocity set to zero in rests, without a filter; ``start_rms_m`` of a foot
     that is said to stay at the start; ``sensor``
@@ -271,6 +277,8 @@ def foot_row(folder: Path, name: str) -> dict[str, Any]:
     smooth = ndimage.uniform_filter1d(place, round(0.1 * rate), axis=0)
     way = np.linalg.norm(np.diff(smooth[:: round(0.05 * rate), :2], axis=0), axis=1).sum()
     speed = np.linalg.norm(np.gradient(smooth, time, axis=0), axis=1)
+    in_rests = [float(speed[run].mean()) for run in runs_of(foot.still)]
+    steps = np.linalg.norm(np.diff(place, axis=0), axis=1)
     moves = [time[min(run.stop, len(time) - 1)] - time[run.start] for run in runs_of(~foot.still)]
     row: dict[str, Any] = {
         "walk": f"foot_{name}",
@@ -281,6 +289,9 @@ def foot_row(folder: Path, name: str) -> dict[str, Any]:
         "still_percent": rounded(100 * foot.still.mean(), 1),
         "longest_move_s": rounded(max(moves, default=0.0), 2),
         "slide_mps": rounded(rms(speed[foot.still]), 3),
+        "fast_rests": sum(mean > FAST_MPS for mean in in_rests),
+        "fastest_rest_mps": rounded(max(in_rests), 2),
+        "truth_jumps": int(np.count_nonzero(steps > JUMP_MPS * np.diff(time))),
         "start_rms_m": rounded(rms(np.linalg.norm(place[:, :2] - place[0, :2], axis=1)), 3),
         "strapdown_rms_m": rounded(_strapdown_rms(foot), 3),
         "sensor": sensor_row(foot.recording, foot.still, foot.clock_s),

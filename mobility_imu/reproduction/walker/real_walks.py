@@ -260,6 +260,7 @@ def _other(walk: Walk, found: Trajectory, steps: Steps, k: int) -> dict[str, Any
     ].to_numpy()[:, 1:]
     near = (steps.place_s > clock[0]) & (steps.lift_s < clock[-1])
     moves = np.column_stack([steps.lift_s, steps.place_s])[near]
+    speed = np.interp(clock, found.time_s, forward_speed(found), left=np.nan, right=np.nan)
     return {
         "walk": walk.name,
         "lift_s": rounded(lift, 2),
@@ -267,9 +268,7 @@ def _other(walk: Walk, found: Trajectory, steps: Steps, k: int) -> dict[str, Any
         "length_m": rounded(steps.length_m[k], 2),
         "kind": kind_of_other(lift, place, walk.labels),
         "seen": LOOKED_AT.get((walk.name, round(lift, 1)), "not looked at"),
-        "speed_mps": np.interp(clock, found.time_s, forward_speed(found), left=np.nan, right=np.nan)
-        .round(3)
-        .tolist(),
+        "speed_mps": [None if np.isnan(v) else rounded(v, 2) for v in speed],
         "windows_s": [[rounded(t - lift, 2) for t in window] for window in windows],
         "moves_s": [[rounded(t - lift, 2) for t in move] for move in moves],
     }

@@ -1,4 +1,4 @@
-"""Real walks, everything over all of them: record, changed settings, simulated walks beside them."""
+"""Real walks over all of them: record, changed settings, and simulated walks beside them."""
 
 from __future__ import annotations
 
