@@ -57,7 +57,7 @@ EDGES = (-np.inf, *np.arange(-4.0, 4.5, 0.5).tolist(), np.inf)
 """Bins of the errors over the stated standard deviation."""
 SHOWN = ("13", "35")
 """Walks whose error is kept over time: one like most, and the worst."""
-SHOWN_HZ = 1.5
+SHOWN_HZ = 1.3
 
 WAYS: dict[str, tuple[NavigationSettings, bool]] = {
     "frame": (NavigationSettings(), True),
@@ -265,10 +265,10 @@ def foot_row(folder: Path, name: str) -> dict[str, Any]:
     ``speed_mps``, ``still_percent``, ``longest_move_s`` and ``slide_mps`` (rms speed of the foot
     in the given rests, by motion capture); ``fast_rests``, given rests in which the foot's mean
     speed is above ``FAST_MPS``, and ``fastest_rest_mps``; ``truth_jumps``, samples at which the
-    motion capture itself moves faster than ``JUMP_MPS``; for each of ``WAYS`` what :func:`judged` gives with the
-    path's ``warnings``, or ``refused``; ``detector_still_percent``; ``strapdown_rms_m`` by
-    integration with the velocity set to zero in rests, without a filter; ``start_rms_m`` of a foot
-    that is said to stay at the start; ``sensor``
+    motion capture itself moves faster than ``JUMP_MPS``; for each of ``WAYS`` what :func:`judged`
+    gives with the path's ``warnings``, or ``refused``; ``detector_still_percent``;
+    ``strapdown_rms_m`` by integration with the velocity set to zero in rests, without a filter;
+    ``start_rms_m`` of a foot that is said to stay at the start; ``sensor``
     """
     foot = load_foot(folder, name)
     time, place = foot.recording.time_s, foot.place_m
