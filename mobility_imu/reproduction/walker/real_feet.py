@@ -48,6 +48,8 @@ UPRIGHT_S = 0.5
 """The gravity of this time at the start makes the mount."""
 FAST_MPS = 0.5
 """A foot that moves faster does not rest, whatever the mask says."""
+CUT_DEGPS = 500.0
+"""Readings of this gyroscope end a little above, whatever the foot does: its range."""
 JUMP_MPS = 10.0
 """No foot is so fast (twice the fastest swing of a runner here): markers were exchanged or lost."""
 SURE_M = 1e-4
@@ -57,7 +59,7 @@ EDGES = (-np.inf, *np.arange(-4.0, 4.5, 0.5).tolist(), np.inf)
 """Bins of the errors over the stated standard deviation."""
 SHOWN = ("13", "35")
 """Walks whose error is kept over time: one like most, and the worst."""
-SHOWN_HZ = 1.3
+SHOWN_HZ = 1.2
 
 WAYS: dict[str, tuple[NavigationSettings, bool]] = {
     "frame": (NavigationSettings(), True),
@@ -164,9 +166,14 @@ def follow_foot(foot: Foot, way: str) -> Trajectory:
     -------
     Trajectory
     """
+    return _followed(foot, way, foot.still)
+
+
+def _followed(foot: Foot, way: str, rests: NDArray[np.bool_]) -> Trajectory:
     settings, given = WAYS[way]
-    rests = foot.still if given else None
-    return estimate_trajectory(foot.recording, None, foot.mount, settings, rests=rests)
+    return estimate_trajectory(
+        foot.recording, None, foot.mount, settings, rests=rests if given else None
+    )
 
 
 def turned_to_fit(
@@ -263,8 +270,10 @@ def foot_row(folder: Path, name: str) -> dict[str, Any]:
     -------
     dict: ``walk``, ``seconds``, ``way_m`` and ``climb_m`` (range of the height) by motion capture,
     ``speed_mps``, ``still_percent``, ``longest_move_s`` and ``slide_mps`` (rms speed of the foot
-    in the given rests, by motion capture); ``fast_rests``, given rests in which the foot's mean
-    speed is above ``FAST_MPS``, and ``fastest_rest_mps``; ``truth_jumps``, samples at which the
+    in the given rests, by motion capture); ``rests``, their number; ``fast_rests``, those in which
+    the foot's mean speed is above ``FAST_MPS``; ``fastest_rest_mps``; where there are fast rests,
+    ``without_fast_rests_m``, the error with a foot's settings when they are not given;
+    ``cut_samples``, in which a rate is above ``CUT_DEGPS``; ``truth_jumps``, samples at which the
     motion capture itself moves faster than ``JUMP_MPS``; for each of ``WAYS`` what :func:`judged`
     gives with the path's ``warnings``, or ``refused``; ``detector_still_percent``;
     ``strapdown_rms_m`` by integration with the velocity set to zero in rests, without a filter;
@@ -277,6 +286,7 @@ def foot_row(folder: Path, name: str) -> dict[str, Any]:
     smooth = ndimage.uniform_filter1d(place, round(0.1 * rate), axis=0)
     way = np.linalg.norm(np.diff(smooth[:: round(0.05 * rate), :2], axis=0), axis=1).sum()
     speed = np.linalg.norm(np.gradient(smooth, time, axis=0), axis=1)
+    rates = np.abs(np.rad2deg(foot.recording.gyroscope("frame")))
     in_rests = [float(speed[run].mean()) for run in runs_of(foot.still)]
     steps = np.linalg.norm(np.diff(place, axis=0), axis=1)
     moves = [time[min(run.stop, len(time) - 1)] - time[run.start] for run in runs_of(~foot.still)]
@@ -291,11 +301,16 @@ def foot_row(folder: Path, name: str) -> dict[str, Any]:
         "slide_mps": rounded(rms(speed[foot.still]), 3),
         "fast_rests": sum(mean > FAST_MPS for mean in in_rests),
         "fastest_rest_mps": rounded(max(in_rests), 2),
+        "rests": len(in_rests),
+        "cut_samples": int(np.count_nonzero((rates > CUT_DEGPS).any(axis=1))),
         "truth_jumps": int(np.count_nonzero(steps > JUMP_MPS * np.diff(time))),
         "start_rms_m": rounded(rms(np.linalg.norm(place[:, :2] - place[0, :2], axis=1)), 3),
         "strapdown_rms_m": rounded(_strapdown_rms(foot), 3),
         "sensor": sensor_row(foot.recording, foot.still, foot.clock_s),
     }
+    if row["fast_rests"]:
+        mask = _without_fast_rests(foot, speed)
+        row["without_fast_rests_m"] = judged(foot, _followed(foot, "foot", mask))["rms_m"]
     for kind in WAYS:
         try:
             found = follow_foot(foot, kind)
@@ -306,6 +321,15 @@ def foot_row(folder: Path, name: str) -> dict[str, Any]:
         if kind == "detector":
             row["detector_still_percent"] = rounded(100 * found.stationary.mean(), 1)
     return row
+
+
+def _without_fast_rests(foot: Foot, speed_mps: FloatArray) -> NDArray[np.bool_]:
+    """Given rests without those in which the foot moves fast: they show what such a rest costs."""
+    still = foot.still.copy()
+    for run in runs_of(foot.still):
+        if speed_mps[run].mean() > FAST_MPS:
+            still[run] = False
+    return still
 
 
 def _strapdown_rms(foot: Foot) -> float:

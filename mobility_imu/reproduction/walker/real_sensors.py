@@ -59,7 +59,8 @@ def sensor_row(
     ``repeated_percent`` of the samples have the acceleration of the one before; ``gravity_mps2``,
     length of the mean specific force at rest; ``acc_noise_mps2`` and ``gyr_noise_degps``, standard
     deviation of one sample at rest by the differences of neighbours; ``gyr_offset_degps``, length
-    of the offset; ``on_grid_percent`` of the accelerations are multiples of 0.01 g
+    of the offset; ``gyr_largest_degps``, largest rate about an axis; ``on_grid_percent`` of the
+    accelerations are multiples of 0.01 g
     """
     flags = as_flags(rest, "rest", length=len(recording))
     clock = recording.time_s if clock_s is None else clock_s
@@ -77,6 +78,7 @@ def sensor_row(
         "acc_noise_mps2": rounded(_noise(acc, flags), 4),
         "gyr_noise_degps": rounded(np.rad2deg(_noise(gyr, flags)), 3),
         "gyr_offset_degps": None if size is None else rounded(np.rad2deg(size), 2),
+        "gyr_largest_degps": rounded(np.rad2deg(np.abs(gyr).max()), 0),
         "on_grid_percent": rounded(100 * _on_grid(acc), 0),
     }
 
