@@ -479,8 +479,8 @@ def feet_summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
     Returns
     -------
-    dict: ``walks``, ``way_m`` of all; for each of ``WAYS`` what :func:`ways_summary` gives, and
-    for "foot" also over the walks on which its settings were chosen and over the others
+    dict: ``walks``, ``way_m`` of all; ``strapdown_rms_m`` and ``start_rms_m``, medians; for each of
+    ``WAYS`` what :func:`ways_summary` gives
     """
     return {
         "walks": len(rows),
@@ -488,8 +488,6 @@ def feet_summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
         "strapdown_rms_m": rounded(np.median([row["strapdown_rms_m"] for row in rows]), 3),
         "start_rms_m": rounded(np.median([row["start_rms_m"] for row in rows]), 3),
         **{way: ways_summary([row[way] for row in rows]) for way in WAYS},
-        "foot_chosen_on": ways_summary([row["foot"] for row in rows[::2]]),
-        "foot_others": ways_summary([row["foot"] for row in rows[1::2]]),
     }
 
 
