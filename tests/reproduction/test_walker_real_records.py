@@ -19,7 +19,7 @@ from mobility_imu.reproduction.walker.real_sensors import (
     mean_spectrum,
     sensor_row,
     sensors_summary,
-)
+)from mobility_imu.walker import estimate_trajectory
 
 LABELS = pd.DataFrame({"begin_s": [0.0, 3.0], "end_s": [2.0, 5.0]})
 NAMES = ("real_walks", "real_feet")
@@ -142,6 +142,16 @@ def test_numbers_come_out_again(name):
         pytest.skip(f"{source.dataset} is not here (fetch)")
     rows = real_record.real_numbers(name)["rows"]
     assert real_record.computed_again(name, 4) == len(rows[::4])
+
+
+def test_unsteady_hands_are_not_taken_for_exchanged_axes_alone():
+    """Walk 01 is sound; the frame is held by hands that move it while it stands."""
+    folder = find_folder(real_walks.DATASET)
+    if folder is None:
+        pytest.skip("labelled-walks is not here (fetch)")
+    walk = real_walks.load_walk(folder, "walk_01")
+    (said,) = estimate_trajectory(walk.recording, walk.geometry, walk.mount).warnings
+    assert "walk_01: the rests are 1.5 times as far" in said and "unsteady hands" in said
 
 
 def test_a_number_that_differs_is_named(monkeypatch):
