@@ -230,6 +230,6 @@ def _inconsistent_rests(path: Navigation, source: str) -> list[str]:
             "damaged?"
         ]
     return [
-        f"{excess} as they should be: does what rests move a little (unsteady hands, a foot), or are "
-        "axes exchanged, or signs reversed?"
+        f"{excess} as they should be: does what rests move a little (unsteady hands, a foot), or "
+        "are axes exchanged, or signs reversed?"
     ]

@@ -19,7 +19,8 @@ from mobility_imu.reproduction.walker.real_sensors import (
     mean_spectrum,
     sensor_row,
     sensors_summary,
-)from mobility_imu.walker import estimate_trajectory
+)
+from mobility_imu.walker import estimate_trajectory
 
 LABELS = pd.DataFrame({"begin_s": [0.0, 3.0], "end_s": [2.0, 5.0]})
 NAMES = ("real_walks", "real_feet")
