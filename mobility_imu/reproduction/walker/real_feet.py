@@ -49,7 +49,7 @@ UPRIGHT_S = 0.5
 FAST_MPS = 0.5
 """A foot that moves faster does not rest, whatever the mask says."""
 CUT_DEGPS = 500.0
-"""Readings of this gyroscope end a little above, whatever the foot does: its range."""
+"""Readings of this gyroscope pile up a little above, whatever the foot does: its range."""
 JUMP_MPS = 10.0
 """No foot is so fast (twice the fastest swing of a runner here): markers were exchanged or lost."""
 SURE_M = 1e-4
@@ -78,6 +78,10 @@ VARIANTS: dict[str, tuple[NavigationSettings, bool]] = {
     "no zero rates, (24) as printed": (replace(_FREE, form="printed"), True),
     "no zero rates, no first mean": (_LEARNED, True),
     "no zero rates, no first mean, (24) as printed": (replace(_LEARNED, form="printed"), True),
+    "foot, range told": (
+        NavigationSettings.for_foot(gyr_range_radps=float(np.deg2rad(CUT_DEGPS))),
+        True,
+    ),
     "foot, not smoothed": (_FOOT, False),
     "foot, (24) as printed": (replace(_FOOT, form="printed"), True),
     "foot, zero rates": (replace(_FOOT, zero_rate=True), True),
