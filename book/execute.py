@@ -37,7 +37,7 @@ EXECUTED = ROOT / "_build" / "executed"
 SOURCE = ROOT / "_build" / "source"
 DATA = ROOT / "data"
 TIMEOUT_S = 300
-VARIABLES = ("MOBILITY_IMU_DATA",)
+VARIABLES = ("MOBILITY_IMU_DATA", "MOBILITY_IMU_RECORDINGS")
 """Environment variables that change what a notebook computes."""
 
 

@@ -89,6 +89,18 @@ STUDIES: dict[str, Study] = {
         "0 to 19, and 0 to 3 for one source of error at a time",
         ("walker_table1.csv",),
     ),
+    "real_walks": Study(
+        "mobility_imu.reproduction.walker.real_walks_study",
+        "real_walks",
+        "0 to 7 for the simulated walks",
+        reads_recordings=True,
+    ),
+    "real_feet": Study(
+        "mobility_imu.reproduction.walker.real_feet",
+        "real_feet",
+        "none: nothing is drawn",
+        reads_recordings=True,
+    ),
 }
 """Every record by its name."""
 

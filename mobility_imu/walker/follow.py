@@ -232,4 +232,7 @@ def _inconsistent_rests(path: Navigation, source: str) -> list[str]:
             f"most at {path.time_s[k]:.1f} s: was the frame moved or hit there, or is a reading "
             "damaged?"
         ]
-    return [f"{excess} as they should be: are axes exchanged, or signs reversed?"]
+    return [
+        f"{excess} as they should be: does what rests move a little (unsteady hands, a foot), or "
+        "are axes exchanged, or signs reversed?"
+    ]
