@@ -19,6 +19,7 @@ Basis = Literal[
     "published numbers recomputed",
     "computed by geometry alone",
     "computed on the public sample",
+    "tried on independent real recordings",
     "computed on simulated data",
     "not reproducible",
 ]
@@ -26,6 +27,7 @@ BASES: tuple[Basis, ...] = (
     "published numbers recomputed",
     "computed by geometry alone",
     "computed on the public sample",
+    "tried on independent real recordings",
     "computed on simulated data",
     "not reproducible",
 )
@@ -36,6 +38,7 @@ Why = Literal[
     "the text leaves it open",
     "our copy may be at fault",
     "our assumptions do not explain it",
+    "the simulation promised too much",
 ]
 Verdict = Literal["agrees", "differs", "not reproducible", "needs the sample"]
 VERDICTS: tuple[Verdict, ...] = ("agrees", "differs", "not reproducible", "needs the sample")
