@@ -1,13 +1,14 @@
 """Rows of the scorecard that rest on independent real recordings: what was promised, what came.
 
 The promise is what our simulations gave for the same quantity; for a standard deviation it is the
-meaning of the word. Limits were fixed before the recordings were run.
+meaning of the word. Each limit says whether results were known when it was chosen.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from mobility_imu.reproduction.claims import Basis, Claim, Work
 from mobility_imu.reproduction.real import REAL_SETS, real_record, real_sets
@@ -15,12 +16,18 @@ from mobility_imu.reproduction.real import REAL_SETS, real_record, real_sets
 Numbers = Mapping[str, Any]
 REAL_BASIS: Basis = "tried on independent real recordings"
 TWICE = (
-    "up to twice the simulated value: other sensors and another motion; fixed before the "
-    "recordings were run"
+    "up to twice the simulated value: other sensors and another motion; chosen when first results "
+    "were known"
 )
 LEAST_COVERED = 0.85
-COVERED_FROM = "95 % is what is stated; 85 % is the least that we accept of dependent samples"
-WITHIN_TWO = "in every recording; a stated deviation that is off by more than two tells too little"
+COVERED_FROM = (
+    "95 % is stated; 85 % is the least that we accept of dependent samples; chosen before the "
+    "standard deviations were mended"
+)
+WITHIN_TWO = (
+    "in every recording: a stated deviation that is off by more than two tells too little; chosen "
+    "before the standard deviations were mended"
+)
 
 
 def real_claims(
@@ -48,20 +55,31 @@ def real_claims(
     return claims
 
 
-def promised(
-    record: str, what: str, unit: str, *, simulated: float, real: float, n: int, where: str = ""
-) -> Claim:
+class Sides(NamedTuple):
+    """One number of a set of recordings, and of our simulated ones.
+
+    Parameters
+    ----------
+    real : what the recordings give
+    simulated : the same measure on our simulated recordings; NaN if it was not computed
+    simulated_as_real : likewise, with sensors as bad as real recordings show them
+    """
+
+    real: float
+    simulated: float = math.nan
+    simulated_as_real: float = math.nan
+
+
+def promised(record: str, what: str, unit: str, sides: Sides, n: int) -> Claim:
     """Row for an error that our simulation promised to be small.
 
     Parameters
     ----------
     record : name of the record
     what : the error
-    unit : of both numbers
-    simulated : the promise
-    real : what the recordings give
+    unit : of all numbers
+    sides : ``simulated`` is the promise
     n : number of recordings, or of what is counted
-    where : part of the set, "" for all of it
 
     Returns
     -------
@@ -69,84 +87,26 @@ def promised(
     """
     return _claim(
         record,
-        where,
         what,
         unit,
-        reference=simulated,
+        sides,
+        n,
+        reference=sides.simulated,
         reference_from="the same measure on our simulated recordings",
-        tolerance=simulated,
+        tolerance=sides.simulated,
         tolerance_reason=TWICE,
-        compute=lambda: real,
-        n=n,
-    )
-
-
-def covered(record: str, what: str, fraction: float, n: int, where: str = "") -> Claim:
-    """Row for how many samples lie inside the stated 95 % interval.
-
-    Parameters
-    ----------
-    record, where : as in :func:`promised`
-    what : the quantity whose interval it is
-    fraction : of samples inside
-    n : number of recordings
-
-    Returns
-    -------
-    Claim that agrees from 85 % on
-    """
-    return _claim(
-        record,
-        where,
-        f"samples inside the stated 95 % interval, {what}",
-        "1",
-        reference=LEAST_COVERED,
-        reference_from=COVERED_FROM,
-        bound="above",
-        tolerance_reason=COVERED_FROM,
-        compute=lambda: fraction,
-        n=n,
-    )
-
-
-def within_two(record: str, what: str, number: int, n: int, where: str = "") -> Claim:
-    """Row for how many recordings have a stated deviation of the right size.
-
-    Parameters
-    ----------
-    record, where : as in :func:`promised`
-    what : the quantity whose deviation it is
-    number : of recordings in which the median stated sd lies between half and twice the actual rms
-    n : number of recordings
-
-    Returns
-    -------
-    Claim that agrees if it is all of them
-    """
-    return _claim(
-        record,
-        where,
-        f"recordings with a stated sd of half to twice the actual error, {what}",
-        "1",
-        reference=1.0,
-        reference_from="all of them",
-        tolerance_reason=WITHIN_TWO,
-        compute=lambda: number / n,
-        n=n,
+        why="the simulation promised too much",
     )
 
 
 def counted(
-    record: str, what: str, *, simulated: float, real: float, n: int, tolerance: float, reason: str
+    record: str, what: str, sides: Sides, n: int, *, tolerance: float, reason: str
 ) -> Claim:
     """Row for a fraction, or a ratio, that has to be what the simulation gave.
 
     Parameters
     ----------
-    record : name of the record
-    what : the fraction
-    simulated, real : promise, and what came
-    n : of how many
+    record, what, sides, n : as in :func:`promised`
     tolerance, reason : largest difference that agrees, and why
 
     Returns
@@ -155,77 +115,184 @@ def counted(
     """
     return _claim(
         record,
-        "",
         what,
         "1",
-        reference=simulated,
-        reference_from="our simulated recordings",
+        sides,
+        n,
+        reference=sides.simulated,
+        reference_from="the same measure on our simulated recordings",
         tolerance=tolerance,
         tolerance_reason=reason,
-        compute=lambda: real,
-        n=n,
+        why="the simulation promised too much",
     )
 
 
-def _claim(record: str, where: str, what: str, unit: str, **fields: Any) -> Claim:
+def covered(record: str, what: str, sides: Sides, n: int) -> Claim:
+    """Row for the samples that lie inside the stated 95 % interval.
+
+    Parameters
+    ----------
+    record, n : as in :func:`promised`
+    what : the quantity whose interval it is
+    sides : fractions of samples inside
+
+    Returns
+    -------
+    Claim that agrees from 85 % on
+    """
+    return _claim(
+        record,
+        f"samples inside the stated 95 % interval: {what}",
+        "1",
+        sides,
+        n,
+        reference=LEAST_COVERED,
+        reference_from=COVERED_FROM,
+        bound="above",
+        tolerance_reason=COVERED_FROM,
+        why="the stated uncertainty does not hold",
+    )
+
+
+def within_two(record: str, what: str, sides: Sides, n: int) -> Claim:
+    """Row for the recordings whose stated deviation is of the right size.
+
+    Parameters
+    ----------
+    record, n : as in :func:`promised`
+    what : the quantity whose deviation it is
+    sides : fractions of recordings in which the median stated sd lies between half and twice the
+        actual rms
+
+    Returns
+    -------
+    Claim that agrees if it is all of them
+    """
+    return _claim(
+        record,
+        f"recordings with a stated sd of half to twice the actual error: {what}",
+        "1",
+        sides,
+        n,
+        reference=1.0,
+        reference_from="all of them",
+        tolerance_reason=WITHIN_TWO,
+        why="the stated uncertainty does not hold",
+    )
+
+
+def _claim(record: str, what: str, unit: str, sides: Sides, n: int, **fields: Any) -> Claim:
     real = REAL_SETS[record]
     return Claim(
         work=real.work,
-        where=f"{real.title}, {where}" if where else real.title,
+        where=real.title,
         what=what,
         unit=unit,
         basis=REAL_BASIS,
-        why="the simulation promised too much",
+        compute=lambda: sides.real,
+        n=n,
+        simulated=sides.simulated,
+        simulated_as_real=sides.simulated_as_real,
         **fields,
     )
+
+
+def _sides(summary: Numbers, number: Callable[[Numbers], float]) -> Sides:
+    """One number of the recordings and, where the summary has them, of simulated ones."""
+    given = (summary, summary.get("simulated"), summary.get("simulated_as_real"))
+    return Sides(*(math.nan if part is None else number(part) for part in given))
 
 
 def _hinge_rows(record: str, summary: Numbers) -> list[Claim]:
     """Fusion and closed form on a chain of hinges, beside the same on simulated rides."""
     rows = []
     for method in ("fusion", "closed-form"):
-        found, simulated = summary[method], summary["simulated"][method]
-        n = found["recordings"]
-        rows.append(
-            counted(
-                record,
-                f"recordings that the {method.replace('-', ' ')} answers",
-                simulated=1.0 - simulated["refused"] / simulated["recordings"],
-                real=1.0 - found["refused"] / n,
-                n=n,
-                tolerance=0.0,
-                reason="each recording is a right one and has to be answered",
-            )
-        )
+        rows += _method_rows(record, summary, method)
         for angle in ("steering", "throttle"):
-            if angle in found:
-                rows += _angle_rows(record, method, angle, found, simulated[angle])
+            if angle in summary[method]:
+                rows += _angle_rows(record, summary, method, angle)
     return rows
 
 
-def _angle_rows(
-    record: str, method: str, angle: str, found: Numbers, simulated: Numbers
-) -> list[Claim]:
-    n, here = found["recordings"] - found["refused"], found[angle]
-    name = f"{angle} by {method.replace('-', ' ')}"
-    rows = [
-        promised(
+def _method_rows(record: str, summary: Numbers, method: str) -> list[Claim]:
+    """How many recordings a method answers, and how many of their samples it calls valid."""
+
+    def answered(part: Numbers) -> float:
+        return float(1 - part[method]["refused"] / part[method]["recordings"])
+
+    def valid(part: Numbers) -> float:
+        return float(part[method].get("steering", {"valid": 0.0})["valid"])
+
+    n, name = summary[method]["recordings"], method.replace("-", " ")
+    return [
+        counted(
             record,
-            f"{name}: rms error where valid, median over recordings",
-            "deg",
-            simulated=simulated["median_rms_deg"],
-            real=here["median_rms_deg"],
-            n=n,
-        )
+            f"recordings that the {name} answers",
+            _sides(summary, answered),
+            n,
+            tolerance=0.0,
+            reason="each is a sound recording and has to be answered",
+        ),
+        counted(
+            record,
+            f"samples that the {name} calls valid",
+            _sides(summary, valid),
+            n,
+            tolerance=0.1,
+            reason="one in ten may be where an angle cannot be seen; chosen when first results "
+            "were known",
+        ),
     ]
-    if "covered" in here:
-        rows.append(covered(record, name, here["covered"], n))
-        rows.append(within_two(record, name, here["ratios_within_two"], n))
+
+
+def _angle_rows(record: str, summary: Numbers, method: str, angle: str) -> list[Claim]:
+    def of(key: str) -> Sides:
+        return _sides(summary, lambda part: part[method][angle][key])
+
+    def fraction(part: Numbers) -> float:
+        answered = part[method]["recordings"] - part[method]["refused"]
+        return float(part[method][angle]["ratios_within_two"] / answered)
+
+    n = summary[method]["recordings"] - summary[method]["refused"]
+    name = f"{angle} by {method.replace('-', ' ')}"
+    error = f"{name}: rms error where valid, median over recordings"
+    rows = [promised(record, error, "deg", of("median_rms_deg"), n)]
+    if "covered" in summary[method][angle]:
+        rows.append(covered(record, name, of("covered"), n))
+        rows.append(within_two(record, name, _sides(summary, fraction), n))
     return rows
+
+
+def _walk_rows(record: str, summary: Numbers) -> list[Claim]:
+    """Steps of a walking frame, beside the count of steps on simulated corridors."""
+    simulated = [row for row in summary["simulated"] if row["level"] == "realistic"]
+    true = sum(row["true_steps"] for row in simulated)
+    found = sum(min(row["steps"], row["true_steps"]) for row in simulated) / true
+    others = sum(max(row["steps"] - row["true_steps"], 0) for row in simulated) / true
+    labels = summary["labels"]
+    return [
+        counted(
+            record,
+            "labelled steps that are found",
+            Sides(summary["found"] / labels, found),
+            labels,
+            tolerance=0.01,
+            reason="one in a hundred; chosen when first results were known",
+        ),
+        counted(
+            record,
+            "steps found beside the labels, per label",
+            Sides(summary["others"] / labels, others),
+            labels,
+            tolerance=0.06,
+            reason="labels leave steps out; chosen when first results were known",
+        ),
+    ]
 
 
 ROWS: dict[str, Callable[[str, Numbers], list[Claim]]] = {
     "real_two_hinges": _hinge_rows,
     "real_one_hinge": _hinge_rows,
+    "real_walks": _walk_rows,
 }
 """Rows of each set, from the name of its record and its summary."""

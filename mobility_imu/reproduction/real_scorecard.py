@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,9 +15,11 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 ABOUT_REAL = (
-    "Recordings that others made, with a reference of theirs, run with default settings. Promised "
-    "is what our simulations gave, or what a stated standard deviation means. The numbers are "
-    "recorded with origin, checksums and command, and computed again where the recordings are."
+    "Recordings that others made, with a reference of theirs, run with default settings. An error "
+    "may be twice what our simulations promised; a stated uncertainty has to hold. The numbers are "
+    "recorded with origin, checksums and command, and computed again where the recordings are. "
+    "Simulated: the same measure on our simulated recordings; at real level: with sensors as bad "
+    "as real recordings show them."
 )
 """The sentence with which the command begins."""
 COLOURS = {"as recorded": "green", "differs": "red", "other files": "red"}
@@ -111,16 +114,18 @@ def print_real(found: RealScorecard) -> None:
     console.print()
     console.print(_promises(found.outcomes))
     kept = sum(o.verdict == "agrees" for o in found.outcomes)
-    console.print(f"{kept} of {len(found.outcomes)} promises hold.")
+    console.print(f"{kept} of {len(found.outcomes)} rows agree.")
 
 
 def _promises(outcomes: Sequence[Outcome]) -> Table:
     from rich.table import Table
 
-    table = Table(title="Promised and found", title_justify="left")
+    table = Table(
+        title="Found on real recordings, and promised by simulation", title_justify="left"
+    )
     for heading in ("set", "what", "unit"):
         table.add_column(heading)
-    for heading in ("promised", "found", "n"):
+    for heading in ("asked for", "found", "simulated", "at real level", "n"):
         table.add_column(heading, justify="right")
     table.add_column("verdict")
     for outcome in outcomes:
@@ -130,7 +135,10 @@ def _promises(outcomes: Sequence[Outcome]) -> Table:
             claim.what,
             claim.unit,
             f"{claim.bound} {claim.target:.3g}".strip(),
-            f"{outcome.ours:.3g}",
+            *(
+                "-" if math.isnan(value) else f"{value:.3g}"
+                for value in (outcome.ours, claim.simulated, claim.simulated_as_real)
+            ),
             str(claim.n),
             "[green]agrees[/]" if agrees else f"[red]{outcome.verdict}: {reason_of(claim)}[/]",
         )

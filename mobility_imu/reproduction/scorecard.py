@@ -138,7 +138,8 @@ def to_records(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
         ``work``, ``where``, ``what``, ``unit``, ``published`` (text, digits as printed), ``source``
         (the cell, or the sentence), ``reference``, ``reference_from``, ``ours``, ``difference``,
         ``tolerance``, ``tolerance_reason``, ``bound``, ``basis``, ``n``, ``verdict``, ``why``,
-        ``trivial``, ``trivial_model``, ``trivial_agrees``, ``experiment``, ``copied``, ``finding``.
+        ``trivial``, ``trivial_model``, ``trivial_agrees``, ``experiment``, ``copied``, ``finding``,
+        ``simulated``, ``simulated_as_real``.
     """
     return [_record(outcome) for outcome in outcomes]
 
@@ -201,6 +202,8 @@ def _record(outcome: Outcome) -> dict[str, Any]:
         "experiment": claim.experiment,
         "copied": claim.copied,
         "finding": claim.finding or None,
+        "simulated": _number(claim.simulated),
+        "simulated_as_real": _number(claim.simulated_as_real),
     }
 
 
