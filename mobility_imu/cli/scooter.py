@@ -13,14 +13,24 @@ from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
+    from mobility_imu.scooter import PoseCheck
     from mobility_imu.scooter.angles import Form as LibraryForm
 
 Method = Literal["closed-form", "fusion"]
 Form = Literal["three-axis", "printed"]
+Sensors = Literal["consumer", "calibrated"]
 FORMS: dict[Form, LibraryForm] = {"three-axis": "corrected", "printed": "printed"}
 """Name of each form in the library."""
 LARGEST_NOISE_MPS2 = 100.0
 LARGEST_POSE_DEG = 180.0
+LARGEST_SCALE_SD_DEG = 10.0
+CONTROLS = ("steering", "throttle")
+VERDICTS = {
+    "agrees": "agrees: the differences are as small as the stated uncertainty lets expect",
+    "differs": "differs: the differences are larger than the stated uncertainty explains",
+    "cannot be judged": "cannot be judged",
+}
+"""What the command says for each verdict."""
 
 app = sub_app("Mobility scooter: steering and throttle.")
 
@@ -128,6 +138,90 @@ def calibrate(
     found = calibrate_mount([read_recording(path) for path in parked], settings, scooter)
     _say(found.warnings)
     outputs.write({output: found.to_toml().encode()})
+
+
+@app.command("check")
+def check(
+    parked: Annotated[
+        Path, typer.Argument(help="Parked recording; the controls rest in one pose after another.")
+    ],
+    poses: Annotated[
+        Path, typer.Option(help="CSV steering_deg,throttle_deg: the angles as set, in order.")
+    ],
+    geometry: Annotated[
+        Path, typer.Option(help="TOML with [scooter]; with [scooter.mount], that is applied.")
+    ],
+    method: Annotated[
+        Method, typer.Option(help="Means over each rest, or the fusion with its own deviations.")
+    ] = "closed-form",
+    sensors: Annotated[
+        Sensors, typer.Option(help="What is assumed of the IMUs: phones, or calibrated by a maker.")
+    ] = "consumer",
+    scale_sd_deg: Annotated[
+        float, typer.Option(help="How well the protractor's zero and centre are set, deg.", min=0.0)
+    ] = 0.5,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Also write the table as CSV.")
+    ] = None,
+) -> None:
+    """Whether the angles agree with those that a protractor set.
+
+    Park, set the controls to known angles, hold each pose for two seconds or more. The book's page
+    "Judge your own scooter" has the whole protocol.
+    """
+    import dataclasses
+
+    import numpy as np
+
+    from mobility_imu.readers import read_recording, recording_files
+    from mobility_imu.scooter import (
+        PoseCheckSettings,
+        ScooterGeometry,
+        ScooterMount,
+        check_poses,
+    )
+
+    outputs = Outputs({"--output": output}, (*recording_files(parked), geometry, poses))
+    if not 0 < scale_sd_deg <= LARGEST_SCALE_SD_DEG:
+        raise InputError(
+            f"--scale-sd-deg {scale_sd_deg:g}: expected above 0 and up to {LARGEST_SCALE_SD_DEG:g}"
+        )
+    make = PoseCheckSettings.for_calibrated_imus if sensors == "calibrated" else PoseCheckSettings
+    settings = dataclasses.replace(make(method), scale_sd_rad=float(np.deg2rad(scale_sd_deg)))
+    scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
+    set_rad = read_poses(poses)
+    found = check_poses(read_recording(parked), set_rad, scooter, mount, settings)
+    if output is not None:
+        outputs.write({output: csv_bytes(found.to_frame(), output)})
+    typer.echo(check_text(found))
+
+
+def check_text(found: PoseCheck) -> str:
+    """Lines that ``scooter check`` prints.
+
+    Parameters
+    ----------
+    found : PoseCheck
+
+    Returns
+    -------
+    str
+    """
+    import numpy as np
+
+    lines = ["pose  control   set, deg  found, deg  difference, deg  sd, deg  inside 95 %"]
+    for row in found.to_frame().itertuples():
+        inside = ("yes" if row.inside_95 else "no") if row.judged else "not judged"
+        lines.append(
+            f"{row.pose:4}  {row.control}  {row.set_deg:8.1f}  {row.found_deg:10.2f}  "
+            f"{row.difference_deg:15.2f}  {row.sd_deg:7.2f}  {inside}"
+        )
+    poses = int(found.judged.sum())
+    inside = found.inside[found.judged].sum(axis=0)
+    for name, rms, count in zip(CONTROLS, np.rad2deg(found.rms_rad), inside, strict=True):
+        lines.append(f"{name}: rms {rms:.2f} deg; {count} of {poses} inside their 95 % interval")
+    lines.append(f"chi-square {found.chi_square:.1f}, about {2 * poses} expected")
+    return "\n".join([*lines, f"- {VERDICTS[found.verdict]}", *(f"- {w}" for w in found.warnings)])
 
 
 def read_poses(path: Path) -> list[tuple[float, float]]:
