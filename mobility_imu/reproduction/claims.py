@@ -40,6 +40,7 @@ Why = Literal[
     "our assumptions do not explain it",
     "the simulation promised too much",
     "the stated uncertainty does not hold",
+    "the reference errs more than we state",
 ]
 Verdict = Literal["agrees", "differs", "not reproducible", "needs the sample"]
 VERDICTS: tuple[Verdict, ...] = ("agrees", "differs", "not reproducible", "needs the sample")

@@ -84,6 +84,11 @@ class RealRecord:
     rows: list[Numbers]
     summary: Numbers
 
+    @property
+    def numbers(self) -> Numbers:
+        """``rows`` and ``summary``, which computing the record again has to give."""
+        return {"rows": self.rows, "summary": self.summary}
+
 
 @dataclass(frozen=True)
 class Recomputed:
@@ -96,14 +101,14 @@ class Recomputed:
         record, so nothing is compared), "not here" or "no record"
     message : one sentence on it
     compared : how many numbers were compared
-    summary : as computed here, or else as recorded; empty without either
+    numbers : ``rows`` and ``summary`` as computed here, or else as recorded; None without either
     """
 
     real: RealSet
     state: State
     message: str
     compared: int = 0
-    summary: Mapping[str, Any] | None = None
+    numbers: Mapping[str, Any] | None = None
 
 
 def real_sets(work: Work | None = None) -> list[RealSet]:
@@ -174,14 +179,14 @@ def recompute(name: str) -> Recomputed:
         return Recomputed(real, "no record", f"{name}: nothing is recorded of this set yet")
     folder = find_folder(real.dataset)
     if folder is None:
-        return Recomputed(real, "not here", missing(real), summary=record.summary)
+        return Recomputed(real, "not here", missing(real), numbers=record.numbers)
     lacking = lacking_files(folder, record.files)
     if lacking:
         return Recomputed(
             real,
             "not here",
             f"{real.dataset}: {folder} lacks {_listed(lacking)}; the numbers are those recorded",
-            summary=record.summary,
+            numbers=record.numbers,
         )
     found = _study(name)()
     assert found is not None, f"{name}: its study found no recordings in {folder}"
@@ -193,7 +198,7 @@ def recompute(name: str) -> Recomputed:
             "other files",
             f"{real.dataset}: {_listed(others)} in {folder} not as recorded (SHA-256); the numbers "
             "are those of the files that are here",
-            summary=numbers["summary"],
+            numbers=numbers,
         )
     return _compared(real, record, numbers)
 
@@ -201,7 +206,7 @@ def recompute(name: str) -> Recomputed:
 def _compared(real: RealSet, record: RealRecord, numbers: Numbers) -> Recomputed:
     """Compare with the record; with further recordings here, only those that it has."""
     found, further = numbers, [name for name in numbers["files"] if name not in record.files]
-    recorded: Any = {"rows": record.rows, "summary": record.summary}
+    recorded = record.numbers
     if further:
         known = {_identity(row) for row in record.rows}
         recorded = {"rows": record.rows}
@@ -226,7 +231,7 @@ def _compared(real: RealSet, record: RealRecord, numbers: Numbers) -> Recomputed
         "differs" if off else "as recorded",
         f"{real.dataset}: {message}",
         compared,
-        numbers["summary"],
+        numbers,
     )
 
 

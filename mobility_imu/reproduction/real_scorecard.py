@@ -57,8 +57,8 @@ def real_scorecard(
         sets.append(recompute(real.record))
         if progress is not None:
             progress(k + 1, len(chosen))
-    summaries = {one.real.record: one.summary for one in sets if one.summary is not None}
-    return RealScorecard(sets, [check(claim) for claim in real_claims(work, summaries)])
+    found = {one.real.record: one.numbers for one in sets if one.numbers is not None}
+    return RealScorecard(sets, [check(claim) for claim in real_claims(work, found)])
 
 
 def real_records(found: RealScorecard) -> list[dict[str, Any]]:
