@@ -52,8 +52,9 @@ def _progress() -> Iterator[Callable[[int, int], None]]:
     from rich.console import Console
     from rich.progress import Progress
 
-    # Rich draws the bar on a terminal only, so a log file stays clean.
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    # Off a terminal Rich would still end with an empty line.
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("computing", total=None)
         yield lambda done, of: bar.update(task, completed=done, total=of)
 
