@@ -49,6 +49,7 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "walker/eskf": ("test_walker_navigation",),
     "walker/follow": ("test_walker_trajectory", "test_walker_doors"),
     "walker/mount": ("test_walker_geometry", "test_walker_doors"),
+    "walker/navigation_settings": ("test_walker_navigation", "test_walker_doors"),
     "walker/stillness": ("test_walker_navigation", "test_walker_doors"),
     "walker/trajectory": ("test_walker_uncertainty",),
     "walker/walking_tests": ("test_walker_steps",),
@@ -192,7 +193,7 @@ class Finder(ast.NodeVisitor):
 def modules() -> list[Path]:
     """Modules of the estimators."""
     found = [p for device in DEVICES for p in (ROOT / "mobility_imu" / device).rglob("*.py")]
-    found += [ROOT / "mobility_imu" / "hinges.py"]
+    found += [ROOT / "mobility_imu" / f"{name}.py" for name in ("hinges", "offsets")]
     return sorted(p.relative_to(ROOT) for p in found if p.is_file() and p.stem not in LEFT_OUT)
 
 

@@ -133,6 +133,26 @@ def check_columns(result: Any, *names: str, flags: Sequence[str] = ()) -> None:
         object.__setattr__(result, name, given)
 
 
+def check_shape(result: Any, name: str, shape: tuple[int, ...]) -> None:
+    """Check that a field of a result is an array of numbers of one shape, and make it one.
+
+    Parameters
+    ----------
+    result : frozen dataclass, in its ``__post_init__``
+    name : of the field; NaN may stand in it
+    shape : that it must have
+
+    Raises
+    ------
+    InputError
+        If the field is something else.
+    """
+    array = as_floats(getattr(result, name), _label(result, name))
+    if array.shape != shape:
+        raise InputError(f"{_label(result, name)}: expected shape {shape}, got {array.shape}")
+    object.__setattr__(result, name, array)
+
+
 def check_limits(settings: Any, limits: Mapping[str, tuple[float, float]]) -> None:
     """Check that fields of settings lie between limits, beyond which nothing can be computed.
 

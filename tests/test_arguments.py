@@ -165,6 +165,22 @@ def test_results_hold_series_of_one_length():
                 replace(result, settings=None)
 
 
+def test_a_walk_holds_series_of_one_length():
+    walk = estimate(walker)
+    none = np.zeros(0)
+    steps = walker.Steps(*[none] * 9, np.zeros((0, 2)), np.zeros(2), np.ones(2))
+    for result in (walk, steps):
+        for field in vars(result):
+            if isinstance(getattr(result, field), np.ndarray):
+                for value in (None, "abc", 1.0, np.ones(3), np.ones((7, 3)), np.ones((400, 1))):
+                    with pytest.raises(InputError, match=f"{type(result).__name__}[.]"):
+                        replace(result, **{field: value})
+        with pytest.raises(InputError, match="settings: got "):
+            replace(result, settings=None)
+        with pytest.raises(InputError, match="stillness: got "):
+            replace(result, stillness="none")
+
+
 def test_columns_are_checked_by_name():
     class Made:
         def __init__(self, **fields):

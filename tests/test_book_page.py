@@ -1,5 +1,7 @@
 """One page of the book by itself: what is laid out for it."""
 
+import json
+import re
 import sys
 from pathlib import Path
 
@@ -44,3 +46,34 @@ def test_what_did_not_change_stays_as_it_is(page):
     page.lay_out(Path("book/equations.md"))
     assert config.stat().st_mtime_ns == before
     assert "chapters" in (page.SOURCE / "_toc.yml").read_text()
+
+
+def listed():
+    """Pages in the order of the table of contents."""
+    toc = yaml.safe_load((BOOK / "_toc.yml").read_text())
+    return [chapter["file"] for part in toc["parts"] for chapter in part["chapters"]]
+
+
+def needs():
+    return yaml.safe_load((BOOK / "chapters.yml").read_text())
+
+
+def test_every_chapter_says_what_it_needs():
+    chapters = [page for page in listed() if page.startswith("notebooks/")]
+    assert list(needs()) == [page for page in chapters if "/beyond/" not in page]
+
+
+@pytest.mark.parametrize("chapter", list(needs()))
+def test_nothing_is_needed_before_it_was_given(chapter):
+    """What a chapter needs first stands before it, and its own line links to exactly that."""
+    order = listed()
+    assert all(order.index(page) < order.index(chapter) for page in needs()[chapter])
+    notebook = json.loads((BOOK.parent / f"{chapter}.ipynb").read_text())
+    prose = "".join(notebook["cells"][0]["source"])
+    line = prose.partition("**You need")[2].partition("\n\n")[0]
+    assert line, "the first cell has no line 'You need first'"
+    links = {
+        link.strip("/").removesuffix(".ipynb").rpartition("/")[2]
+        for link in re.findall(r"\]\(([^)#]+)\)", line)
+    }
+    assert links == {page.rpartition("/")[2] for page in needs()[chapter]}

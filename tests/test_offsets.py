@@ -114,6 +114,30 @@ def test_all_sensors_of_the_device_must_rest_at_once():
     assert rest_offsets(recording(still)).get("frame").rest_s > 6.0
 
 
+def test_pieces_of_common_rest_shorter_than_a_second_are_none():
+    """Two pieces of 0.7 s in which both rest: together 1.4 s, but neither is a rest."""
+    acc, gyr, time_s = sensor(rest_s=9.0, moving_s=0.0)
+    swing = 1.5 * np.sin(4 * time_s)[:, None] * [1, 0.5, 0.8]
+    frame, wheel = gyr.copy(), gyr.copy()
+    middle = (time_s > 3.0) & (time_s < 6.0)
+    frame[middle] += swing[middle]
+    outer = (time_s < 2.3) | (time_s > 6.7)
+    wheel[outer] += swing[outer]
+    both = recording((acc, frame, time_s), (acc, wheel, time_s), names=("frame", "left_wheel"))
+    assert rest_offsets(both) == {}
+    assert set(rest_offsets(both, ["frame"])) == {"frame"}
+
+
+def test_uncertainty_and_noise_along_a_direction():
+    covariance = np.array([[4.0, 1.0, 0.0], [1.0, 9.0, 0.0], [0.0, 0.0, 1.0]])
+    found = GyroscopeOffset(np.zeros(3), covariance, np.array([1.0, 2.0, 4.0]), 2.0)
+    across = np.array([0.6, 0.8, 0.0])
+    # 0.36 * 4 + 0.64 * 9 + 2 * 0.48 * 1 = 8.16
+    assert np.isclose(found.sd_along(across), np.sqrt(8.16))
+    assert np.isclose(found.noise_along(across), np.hypot(0.6, 1.6))
+    np.testing.assert_allclose(found.sd_radps, [2.0, 3.0, 1.0])
+
+
 def offset(rate_degps, sd_degps):
     covariance = np.deg2rad(sd_degps) ** 2 * np.eye(3)
     return GyroscopeOffset(np.deg2rad(rate_degps) * np.ones(3), covariance, np.zeros(3), 2.0)

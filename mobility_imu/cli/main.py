@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import logging
 import os
-import re
 import sys
 import traceback
 import warnings
@@ -18,6 +17,7 @@ import typer
 
 from mobility_imu import __version__
 from mobility_imu.cli.fetch import fetch
+from mobility_imu.cli.messages import say
 from mobility_imu.cli.reproduce import reproduce
 from mobility_imu.cli.scooter import app as scooter_app
 from mobility_imu.cli.simulate import app as simulate_app
@@ -27,8 +27,6 @@ from mobility_imu.errors import MobilityImuError, missing_extra
 
 DONE, AT_FAULT, INTERRUPTED = 0, 2, 130
 PACKAGE = Path(__file__).resolve().parents[1]
-LONGEST_MESSAGE = 1000
-"""Characters of a message; from a longer one the middle is left out."""
 
 app = typer.Typer(
     name="mobility-imu",
@@ -81,9 +79,9 @@ def main() -> None:
             sys.stdout, sys.stderr = stdout, stderr  # the application may wrap them
     if code == DONE:
         for warning in _own(heard):
-            _say(f"warning: {warning}")
+            say(f"warning: {warning}")
     else:
-        _say(message)
+        say(message)
     sys.exit(code)
 
 
@@ -180,19 +178,4 @@ class _Steps(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print one record."""
-        _say(record.getMessage())
-
-
-def _say(message: str) -> None:
-    """Print a message on stderr: one line, escaped, and shortened if it is long."""
-    text = re.sub(r"\s*\n\s*", " ", message.strip())
-    if not text.isprintable():
-        # Only here: it loads numpy, which an interrupt may have left loaded by half.
-        from mobility_imu.readers.wording import escaped
-
-        text = escaped(text)
-    if len(text) > LONGEST_MESSAGE:
-        text = f"{text[: LONGEST_MESSAGE // 2]} ... {text[-LONGEST_MESSAGE // 2 :]}"
-    if sys.stderr is not None:  # print would take standard output instead
-        with suppress(OSError):
-            print(f"mobility-imu: {text}", file=sys.stderr, flush=True)
+        say(record.getMessage())

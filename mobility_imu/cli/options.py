@@ -31,6 +31,9 @@ Seed = Annotated[int, typer.Option(help="The same seed gives the same bytes.", m
 Smooth = Annotated[
     bool, typer.Option("--smooth/--no-smooth", help="Smooth the path, or filter only.")
 ]
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="No summary; warnings and errors are still shown.")
+]
 
 
 def sub_app(help_text: str) -> typer.Typer:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.options import FillGaps, Output, sub_app
+from mobility_imu.cli.messages import summarize, warn
+from mobility_imu.cli.options import FillGaps, Output, Quiet, sub_app
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -66,12 +66,14 @@ def angles(
         bool, typer.Option("--causal", help="Fusion: use the past only, no smoother.")
     ] = False,
     fill_gaps_s: FillGaps = 0.0,
+    quiet: Quiet = False,
 ) -> None:
     """Steering and throttle angles from one or two IMUs (Suzurikawa et al. 2022).
 
     With the closed form the columns steering_sd_deg and throttle_sd_deg stay empty unless
     --acc-noise-mps2 is given.
     """
+    from mobility_imu.cli.summaries import read_line, ride_lines, written_line
     from mobility_imu.readers import read_recording, recording_files
     from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount, estimate_ride
 
@@ -92,8 +94,9 @@ def angles(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone give --single-imu"
         )
     found = estimate_ride(ride, scooter, mount, settings)
-    _say(found.warnings)
+    warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
     outputs.write({output: csv_bytes(found.to_frame(), output)})
+    summarize([read_line(ride), *ride_lines(found), written_line([output])], quiet)
 
 
 def _check_options(method: Method, single_imu: bool, noise: float | None) -> None:
@@ -108,11 +111,6 @@ def _check_options(method: Method, single_imu: bool, noise: float | None) -> Non
         raise InputError("--acc-noise-mps2 0: fusion needs a noise above 0")
 
 
-def _say(sentences: tuple[str, ...]) -> None:
-    for sentence in sentences:
-        warnings.warn(sentence.replace("median_window = ", "--median-window "), stacklevel=1)
-
-
 @app.command("calibrate")
 def calibrate(
     parked: Annotated[
@@ -123,12 +121,14 @@ def calibrate(
         Path, typer.Option(help="CSV steering_deg,throttle_deg: the poses, in order.")
     ],
     output: Output,
+    quiet: Quiet = False,
 ) -> None:
     """How both IMUs are mounted, from parked poses with the controls at their stops.
 
     Park, move the controls through the poses, hold each for two seconds. Do it on level ground and
     on a ramp: level ground alone does not show a turn of the body's IMU about the vertical.
     """
+    from mobility_imu.cli.summaries import scooter_mount_lines, written_line
     from mobility_imu.readers import read_recording, recording_files
     from mobility_imu.scooter import ScooterGeometry, calibrate_mount
 
@@ -136,8 +136,10 @@ def calibrate(
     outputs = Outputs({"--output": output}, (*recordings, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
     found = calibrate_mount([read_recording(path) for path in parked], settings, scooter)
-    _say(found.warnings)
+    warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
     outputs.write({output: found.to_toml().encode()})
+    read = f"read: {len(parked)} parked recordings, {len(settings)} poses in each"
+    summarize([read, *scooter_mount_lines(found), written_line([output])], quiet)
 
 
 @app.command("check")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.options import Folder, Seed, sub_app
+from mobility_imu.cli.messages import summarize
+from mobility_imu.cli.options import Folder, Quiet, Seed, sub_app
 from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
@@ -39,26 +41,50 @@ class _FolderOutputs:
         self.outputs.write(packed)
 
 
+NEXT = {
+    "scooter": "mobility-imu scooter angles {0}/ride.csv.gz --geometry {0}/geometry.toml "
+    "-o angles.csv",
+    "wheelchair": "mobility-imu wheelchair velocity {0}/court.csv.gz --static "
+    "{0}/static.csv.gz --straight {0}/straight.csv.gz --geometry {0}/geometry.toml "
+    "-o velocity.csv",
+    "walker": "mobility-imu walker calibrate {0}/tilts.csv.gz --geometry "
+    "{0}/geometry.toml -o mount.toml",
+}
+"""Command that begins the analysis of each device's folder."""
+
+
+def _summarize(device: str, folder: Path, seed: int, names: Sequence[str], quiet: bool) -> None:
+    lines = [
+        f"simulated with seed {seed}: {', '.join(names)}",
+        f"written: {folder}",
+        f"next: {NEXT[device].format(shlex.quote(str(folder)))}",
+    ]
+    summarize(lines, quiet)
+
+
 @app.command("scooter")
 def scooter(
     output: Folder,
     seed: Seed,
     course: Annotated[ScooterCourse, typer.Option(help="What is driven.")] = "curves",
+    quiet: Quiet = False,
 ) -> None:
     """A scooter drawn from the seed: a ride, two parked recordings, truth and reference."""
     from mobility_imu.simulation import bundle
 
     outputs = _FolderOutputs(output, bundle.SCOOTER_FILES)
     outputs.write(bundle.scooter_bundle(seed, course))
+    _summarize("scooter", output, seed, bundle.SCOOTER_FILES, quiet)
 
 
 @app.command("wheelchair")
-def wheelchair(output: Folder, seed: Seed) -> None:
+def wheelchair(output: Folder, seed: Seed, quiet: Quiet = False) -> None:
     """A chair with 19 degrees of camber on a court: three trials, truth and geometry."""
     from mobility_imu.simulation import bundle
 
     outputs = _FolderOutputs(output, bundle.WHEELCHAIR_FILES)
     outputs.write(bundle.wheelchair_bundle(seed))
+    _summarize("wheelchair", output, seed, bundle.WHEELCHAIR_FILES, quiet)
 
 
 @app.command("walker")
@@ -70,9 +96,11 @@ def walker(
         Level, typer.Option(help="Noise only, errors of the sensor, of the frame as well.")
     ] = "realistic",
     pose: Annotated[int, typer.Option(help="Mounting of the paper's Table 1.", min=1, max=5)] = 1,
+    quiet: Quiet = False,
 ) -> None:
     """A walking frame: tilts for the calibration, a walk, its truth, geometry and true mount."""
     from mobility_imu.simulation import bundle
 
     outputs = _FolderOutputs(output, bundle.WALKER_FILES)
     outputs.write(bundle.walker_bundle(seed, course, level=level.replace("-", " "), pose=pose))
+    _summarize("walker", output, seed, bundle.WALKER_FILES, quiet)

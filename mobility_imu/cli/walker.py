@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.options import FillGaps, Output, Smooth, sub_app
+from mobility_imu.cli.messages import summarize, warn
+from mobility_imu.cli.options import FillGaps, Output, Quiet, Smooth, sub_app
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -17,7 +16,7 @@ Method = Literal["four-tilts", "two-tilts", "all-samples"]
 Form = Literal["corrected", "printed"]
 
 if TYPE_CHECKING:
-    from mobility_imu.walker import WalkerGeometry
+    from mobility_imu.walker import Steps, Trajectory, WalkerGeometry
 
 app = sub_app("Walking frame: mount of the IMU, and path.")
 
@@ -38,6 +37,7 @@ def calibrate(
     ] = "front,back,right,left",
     smooth: Smooth = True,
     fill_gaps_s: FillGaps = 0.0,
+    quiet: Quiet = False,
 ) -> None:
     """How the IMU is fixed to a walking frame, from tilting it (Doan & Pham).
 
@@ -45,26 +45,24 @@ def calibrate(
     back, right and left, about the tips of one side each time; let it stand for two seconds after
     each tilt.
     """
+    from mobility_imu.cli.summaries import read_line, walker_mount_lines, written_line
     from mobility_imu.readers import read_recording, recording_files
     from mobility_imu.walker import WalkerGeometry, calibrate_mount
 
     outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
     frame = WalkerGeometry.from_toml(geometry)
+    recording = read_recording(tilts, fill_gaps_s=fill_gaps_s)
     found = calibrate_mount(
-        read_recording(tilts, fill_gaps_s=fill_gaps_s),
+        recording,
         frame,
         method=method,
         form=form,
         order=[name.strip() for name in order.split(",")],  # type: ignore[misc]
         smooth=smooth,
     )
-    _warn(found.warnings)
+    warn(found.warnings)
     outputs.write({output: found.to_toml().encode()})
-
-
-def _warn(messages: Iterable[str]) -> None:
-    for message in messages:
-        warnings.warn(message, stacklevel=1)
+    summarize([read_line(recording), *walker_mount_lines(found), written_line([output])], quiet)
 
 
 @app.command("trajectory")
@@ -90,6 +88,7 @@ def trajectory(
         ),
     ] = False,
     fill_gaps_s: FillGaps = 0.0,
+    quiet: Quiet = False,
 ) -> None:
     """Path of a walking frame, and its lift-and-place steps (Doan & Pham).
 
@@ -98,9 +97,10 @@ def trajectory(
     """
     if closed_loop and not smooth:
         raise InputError("--closed-loop needs the smoother: it cannot be had with --no-smooth")
+    from mobility_imu.cli.summaries import read_line, trajectory_lines, written_line
     from mobility_imu.readers import read_recording, recording_files
     from mobility_imu.readers.rests import read_rests
-    from mobility_imu.walker import ClosedLoop, WalkerMount, estimate_trajectory, find_steps
+    from mobility_imu.walker import ClosedLoop, WalkerMount, estimate_trajectory
 
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
@@ -118,19 +118,29 @@ def trajectory(
         )
     except InputError as error:
         raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
-    _warn(found.warnings)
+    warn(found.warnings)
     contents = {output: csv_bytes(found.to_frame(), output)}
+    placed = _steps(found, walk, needed=steps is not None)
+    if steps is not None and placed is not None:
+        contents[steps] = csv_bytes(placed.to_frame(), steps)
+    outputs.write(contents)
+    lines = [read_line(recording), *trajectory_lines(found, placed), written_line(contents)]
+    summarize(lines, quiet)
+
+
+def _steps(found: Trajectory, walk: Path, *, needed: bool) -> Steps | None:
+    """Steps of a path; None, with a warning, where none can be told and none are needed."""
+    from mobility_imu.walker import find_steps
+
     try:
         placed = find_steps(found)
     except InputError as error:
-        if steps is not None:
+        if needed:
             raise InputError(f"{walk}: {error}") from None
-        _warn([f"{walk}: no steps: {error}"])
-    else:
-        _warn(f"{walk}: {text}" for text in placed.warnings)
-        if steps is not None:
-            contents[steps] = csv_bytes(placed.to_frame(), steps)
-    outputs.write(contents)
+        warn([f"{walk}: no steps: {error}"])
+        return None
+    warn(f"{walk}: {text}" for text in placed.warnings)
+    return placed
 
 
 def _footprint(path: Path) -> WalkerGeometry | None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.options import FillGaps, Output, Rate, sub_app
+from mobility_imu.cli.messages import summarize, warn
+from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, sub_app
 from mobility_imu.errors import InputError, needs
 from mobility_imu.files import Outputs, csv_bytes, figure_bytes
 
@@ -56,8 +55,10 @@ def velocity(
     filter_order: Annotated[int, typer.Option(help="Order of the Savitzky-Golay filter.")] = 2,
     sampling_rate_hz: Rate = 100.0,
     fill_gaps_s: FillGaps = 0.0,
+    quiet: Quiet = False,
 ) -> None:
     """Linear velocity and yaw rate of a chair from wheel and frame IMUs (WheelMove-ID)."""
+    from mobility_imu.cli.summaries import read_line, velocity_lines, written_line
     from mobility_imu.wheelchair import (
         VelocitySettings,
         WheelchairGeometry,
@@ -81,8 +82,9 @@ def velocity(
     found = estimate_velocity(
         drive, chair, calibration.mount, settings, offsets=calibration.offsets
     )
-    _warn((*calibration.warnings, *found.warnings))
+    warn((*calibration.warnings, *found.warnings))
     outputs.write({output: csv_bytes(found.to_frame(), output)})
+    summarize([read_line(drive), *velocity_lines(found), written_line([output])], quiet)
 
 
 def _calibrated(
@@ -95,11 +97,6 @@ def _calibrated(
         if name in drive.sensors:
             line.sensor(name, gyroscope=True)
     return calibrate_mount(still, line, take_off_offsets=take_off_offsets)
-
-
-def _warn(messages: Iterable[str]) -> None:
-    for message in messages:
-        warnings.warn(message, stacklevel=1)
 
 
 def _files(trials: tuple[Path, ...]) -> list[Path]:
@@ -125,16 +122,19 @@ def check(
     geometry: Geometry,
     sampling_rate_hz: Rate = 100.0,
     fill_gaps_s: FillGaps = 0.0,
+    quiet: Quiet = False,
 ) -> None:
     """Whether track, radii and camber fit what the frame's gyroscope says of the turns."""
+    from mobility_imu.cli.summaries import check_lines, read_line
     from mobility_imu.wheelchair import WheelchairGeometry, check_geometry
 
     chair = WheelchairGeometry.from_toml(geometry)
     drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s)
     calibration = _calibrated(drive, still, line)
     found = check_geometry(drive, chair, calibration.mount, offsets=calibration.offsets)
-    _warn(calibration.warnings)
+    warn(calibration.warnings)
     typer.echo(check_text(found))
+    summarize([read_line(drive), *check_lines(found)], quiet)
 
 
 def check_text(found: GeometryCheck) -> str:
@@ -194,6 +194,7 @@ def tasks(
     sampling_rate_hz: Annotated[
         float | None, typer.Option(help="Hz; for files that have no time column.", min=1)
     ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Locomotor tasks and a chronogram from a chair's velocities (WheelMove-ID)."""
     inputs = (velocity,) if settings is None else (velocity, settings)
@@ -202,12 +203,13 @@ def tasks(
         raise InputError(f"--figure {figure}: expected a name that ends in .png, .svg or .pdf")
     if figure is not None:
         needs("matplotlib")  # before the work, not after it
+    from mobility_imu.cli.summaries import tasks_lines, written_line
     from mobility_imu.wheelchair import identify_tasks, task_events
     from mobility_imu.wheelchair.outcomes import turn_direction
 
     thresholds, series = read_series(velocity, settings, sampling_rate_hz)
     found = identify_tasks(series, thresholds, edge=edge)
-    _warn(found.warnings)
+    warn(found.warnings)
     table = found.to_frame()
     if direction:
         table["direction"] = turn_direction(found.codes, found.yaw_rate_radps)
@@ -220,6 +222,9 @@ def tasks(
     if figure is not None:
         contents[figure] = _chronogram(found, figure)
     outputs.write(contents)
+    rate = series.sampling_rate_hz
+    read = f"read: {velocity}: {len(found) / rate:.1f} s at {rate:.5g} Hz"
+    summarize([read, *tasks_lines(found), written_line(contents)], quiet)
 
 
 def read_series(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mobility_imu.arguments import expect, settings_or_default
+from mobility_imu.arguments import check_columns, check_shape, expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, check_positive
 from mobility_imu.results import Result
@@ -50,6 +50,13 @@ class GaitSettings:
         check_positive(self)
         if self.least_turn_rad > np.pi / 2:
             raise InputError(f"least_turn_rad = {self.least_turn_rad}: expected rad (in deg?)")
+
+
+COLUMNS = (
+    "lift_s", "place_s", "swing_s", "stance_s", "length_m", "direction_rad", "turn_rad",
+    "lift_height_m", "pitch_rad",
+)  # fmt: skip
+"""Series of steps that have one number each."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,6 +98,17 @@ class Steps(Result):
     warnings: tuple[str, ...] = ()
     settings: GaitSettings = field(default_factory=GaitSettings, kw_only=True)
     stillness: StillnessSettings | None = field(default_factory=StillnessSettings, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check that there is one entry for each step."""
+        expect("settings", self.settings, GaitSettings)
+        if self.stillness is not None:
+            expect("stillness", self.stillness, StillnessSettings)
+        check_columns(self, *COLUMNS)
+        check_shape(self, "place_m", (len(self.lift_s), 2))
+        for name in ("start_m", "recorded_s"):
+            check_shape(self, name, (2,))
+        super().__post_init__()
 
     def __len__(self) -> int:
         """Return the number of steps."""

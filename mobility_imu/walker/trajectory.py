@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mobility_imu.arguments import expect, for_each, settings_or_default
+from mobility_imu.arguments import (
+    check_columns,
+    check_shape,
+    expect,
+    for_each,
+    settings_or_default,
+)
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.recording import Recording
@@ -34,6 +40,8 @@ __all__ = [
 ]
 
 NOTED_LEAN_DEG, MOST_LEAN_DEG = 3.0, 20.0
+SHAPES = {"position_m": (3,), "rotation_body_to_world": (3, 3), "position_sd_m": (3,)}
+"""What each sample of a trajectory has of these."""
 _REACH_M, _HIGHEST_M = 0.5, 1.5
 """How far beyond its footprint, and how high, a frame can carry an IMU."""
 
@@ -67,6 +75,16 @@ class Trajectory(Result):
     warnings: tuple[str, ...] = ()
     settings: NavigationSettings = field(default_factory=NavigationSettings, kw_only=True)
     stillness: StillnessSettings | None = field(default_factory=StillnessSettings, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check that all are series of one length."""
+        expect("settings", self.settings, NavigationSettings)
+        if self.stillness is not None:
+            expect("stillness", self.stillness, StillnessSettings)
+        check_columns(self, "time_s", "yaw_sd_rad", flags=("stationary",))
+        for name, each in SHAPES.items():
+            check_shape(self, name, (len(self.time_s), *each))
+        super().__post_init__()
 
     def __len__(self) -> int:
         """Return the number of samples."""

@@ -306,8 +306,9 @@ class ChairVelocity(Result):
     def __post_init__(self) -> None:
         """Check that all are series of one length."""
         expect("settings", self.settings, VelocitySettings)
-        numbers = ("time_s", "linear_velocity_mps", "yaw_rate_radps", "wheel_yaw_rate_radps")
-        check_columns(self, *numbers, flags=("slip",))
+        rates = ("yaw_rate_radps", "wheel_yaw_rate_radps", "yaw_rate_sd_radps")
+        speeds = ("linear_velocity_mps", "linear_velocity_sd_mps")
+        check_columns(self, "time_s", *speeds, *rates, flags=("slip",))
         super().__post_init__()
 
     def __len__(self) -> int:

@@ -67,6 +67,14 @@ def velocity_csv(path, *, samples=600):
     return table
 
 
+def rests_csv(path):
+    """When the bundled walk rests, by its gyroscope alone, as ``walker trajectory`` takes it."""
+    walk = pd.read_csv(CORRIDOR / "walk.csv.gz")
+    turning = walk.filter(like="gyr").abs().max(axis=1).rolling(25, center=True, min_periods=1)
+    rests = (turning.max() < 0.03).astype(int)
+    pd.DataFrame({"time_s": walk["time_s"], "stationary": rests}).to_csv(path, index=False)
+
+
 def contents(folder):
     """Every path below a folder, with what a regular file holds."""
     return {
@@ -108,8 +116,8 @@ COMMANDS = {
         ["-o"],
     ),
     "walker trajectory": (
-        ["walk.csv.gz", "--geometry", "frame.toml"],
-        ["walk.csv.gz", "frame.toml"],
+        ["walk.csv.gz", "--geometry", "frame.toml", "--rests", "rests.csv"],
+        ["walk.csv.gz", "frame.toml", "rests.csv"],
         ["-o", "--steps"],
     ),
 }

@@ -6,7 +6,7 @@ import sys
 from typing import NamedTuple
 
 import pytest
-from command_lines import CORRIDOR, COURT, contents, scooter_ride, velocity_csv
+from command_lines import CORRIDOR, COURT, contents, rests_csv, scooter_ride, velocity_csv
 
 from mobility_imu.cli import main
 
@@ -80,6 +80,7 @@ def inputs(tmp_path_factory):
         shutil.copy(COURT / f"{name}.csv.gz", folder)
     for name in ("tilts", "walk"):
         shutil.copy(CORRIDOR / f"{name}.csv.gz", folder)
+    rests_csv(folder / "rests.csv")
     shutil.copy(COURT / "geometry.toml", folder / "chair.toml")
     shutil.copy(CORRIDOR / "true_mount.toml", folder / "frame.toml")
     return folder

@@ -129,7 +129,7 @@ def test_choices_are_those_of_the_library():
 
 def test_warnings_are_lines_of_ours(ride, works):
     """A median of another length is told; what numpy or others warn of is not."""
-    text = works(*angles(), "--median-window", 101).stderr
+    text = works(*angles(), "--median-window", 101, "--quiet").stderr
     assert text.startswith("mobility-imu: warning: a median of 101 samples is 1.01 s long")
     assert len(text.splitlines()) == 1
 
@@ -142,7 +142,7 @@ def test_warnings_of_others_are_not_shown(ride, works, monkeypatch, category):
         return real(*arguments, **options)
 
     monkeypatch.setattr(readers, "read_recording", warn_and_read)
-    assert works(*angles()).stderr == ""
+    assert works(*angles(), "--quiet").stderr == ""
 
 
 def test_numpys_warnings_on_huge_readings_are_not_shown(tmp_path, run):

@@ -12,9 +12,9 @@ MODULE = [sys.executable, "-m", "mobility_imu"]
 
 
 def test_from_files_to_a_file(tmp_path):
-    """Another folder, no terminal: exit code 0, the file, and silence."""
+    """Another folder, no terminal: exit code 0, the file, and with --quiet silence."""
     result = subprocess.run(
-        [*MODULE, *map(str, velocity())], cwd=tmp_path, capture_output=True, text=True
+        [*MODULE, *map(str, velocity()), "--quiet"], cwd=tmp_path, capture_output=True, text=True
     )
     assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
     assert [path.name for path in tmp_path.iterdir()] == ["v.csv"]

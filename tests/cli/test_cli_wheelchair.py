@@ -119,7 +119,7 @@ def test_faulty_settings_are_one_line(with_settings, fails, content, says):
 
 
 def test_uneven_segment_warns(with_settings, works):
-    result = works(*with_settings({"segment_s": 0.255}))
+    result = works(*with_settings({"segment_s": 0.255}), "--quiet")
     assert "warning" in result.stderr and "25.5 frames" in result.stderr
     assert len(result.stderr.splitlines()) == 1
 

@@ -9,13 +9,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from walker_recordings import FRAME, rebuilt, tilt_recording, walked
+from walker_recordings import FRAME, changed, rebuilt, tilt_recording, walked
 
 import mobility_imu.walker as walker
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.results import Result
+from mobility_imu.runs import runs_of
 from mobility_imu.simulation.sensor import IDEAL
 from mobility_imu.walker import (
     ClosedLoop,
@@ -34,7 +35,7 @@ from mobility_imu.walker import (
 )
 from mobility_imu.walker.arc_fit import fit_arc
 from mobility_imu.walker.calibration import calibrate_from_path
-from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.follow import _inconsistent_rests, navigate_recording
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, rotation_world_to_imu
 from mobility_imu.walker.stillness import find_stillness, stillness_signals
 from mobility_imu.walker.tilt_equations import (
@@ -440,3 +441,19 @@ def test_a_recording_of_a_resting_frame_needs_a_sensor_named_frame():
     rest = Recording(np.arange(99) / 100, {"lever": Imu(np.tile([0, 0, 9.8], (99, 1)))})
     with pytest.raises(InputError, match="no sensor 'frame'"):
         estimate_trajectory(rest, FRAME, MOUNT)
+
+
+@pytest.mark.parametrize(("worst", "says"), [(1, "all of it in 1 of"), (12, "signs reversed")])
+def test_rests_that_contradict_the_filter_are_told_one_by_one_or_all(worst, says):
+    """One damaged rest is named with its time; with a third of them, the axes are doubted."""
+    path, _ = navigate_recording(walked().recording)
+    rests = runs_of(path.still)
+    assert len(rests) > 25 and _inconsistent_rests(path, "walk") == []
+    nis = np.array(path.nis)
+    for rest in rests[2 : 2 + 2 * worst : 2]:
+        nis[rest] += 2e4 * (path.nis_dof[rest] > 0)
+    (said,) = _inconsistent_rests(changed(path, nis=nis), "walk")
+    assert said.startswith("walk: the rests are ") and says in said
+    if worst == 1:
+        when = float(said.rpartition("most at ")[2].partition(" s")[0])
+        assert path.time_s[rests[2].start] <= when + 0.05 and when <= path.time_s[rests[2].stop - 1]

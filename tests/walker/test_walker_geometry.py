@@ -91,7 +91,12 @@ def test_a_positive_tilt_lowers_the_side_it_is_named_after(direction):
     moved = edge.point_m + turn.apply(top - edge.point_m) - top
     assert moved @ outward > 0.3  # the top leans out over its edge
     centre = np.array([0.26, 0.0, 0.0])
-    assert (edge.point_m - centre) @ outward > 0.25  # the edge lies on that side
+    # The edge lies on that side of the footprint, on the floor, half a side from its middle.
+    half = {"front": 0.26, "back": 0.26, "right": 0.30, "left": 0.30}[direction]
+    assert np.isclose((edge.point_m - centre) @ outward, half)
+    across = np.cross(edge.axis, [0.0, 0.0, 1.0])
+    assert np.allclose((edge.point_m - centre) - half * np.array(outward), 0, atol=1e-12)
+    assert np.isclose(abs(across @ outward), 1.0)
     lifted = edge.point_m + turn.apply(centre - edge.point_m)
     assert lifted[2] > 0  # and the footprint rises from the floor, it does not dive
 

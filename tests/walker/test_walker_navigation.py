@@ -503,6 +503,30 @@ def test_ideal_readings_of_a_turn_and_a_shift_are_integrated_exactly():
     assert np.allclose(last.as_rotvec(), turn * axis, atol=1e-6)
 
 
+def test_a_cone_is_integrated_without_drift():
+    """An axis that goes round a cone of 17 deg at 1.1 Hz while it spins up.
+
+    With the samples as they are, two seconds at 100 Hz drift by 0.2 mrad; the means leave less
+    than a thousandth of it.
+    """
+
+    def attitude(time):
+        cone = 0.3 * np.column_stack([np.cos(7 * time), np.sin(7 * time), 0 * time])
+        return Rotation.from_rotvec(cone + np.outer(0.8 * time**2, [0.0, 0.0, 1.0]))
+
+    time, half, tiny = DT * np.arange(200), DT / 2, 1e-4
+    rate = (attitude(time - tiny).inv() * attitude(time + tiny)).as_rotvec() / (2 * tiny)
+    _, mean = interval_means(attitude(time).inv().apply(G), rate, DT)
+    true = attitude(time[[1]] - half).inv() * attitude(time[[-2]] + half)
+    drift = []
+    for rates in (rate, mean):
+        turned = Rotation.identity()
+        for step in Rotation.from_rotvec(DT * rates[1:-1]):
+            turned = turned * step
+        drift.append((turned.inv() * true).magnitude()[0])
+    assert drift[0] > 1e-4 and drift[1] < drift[0] / 1000
+
+
 def test_turning_everything_changes_nothing():
     """The IMU's axes are a matter of choice: heights and speeds do not depend on them."""
     time, acc, gyr, still = wobbling(8)

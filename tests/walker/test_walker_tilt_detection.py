@@ -1,5 +1,7 @@
 """Walker: which tilts a recording holds, and in which order."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -109,6 +111,10 @@ def test_tilts_in_another_order_are_recognised():
     # A wrong first direction by a quarter turn: width and length come out swapped.
     turned = calibrate_mount(recording, FRAME, order=("right", "front", "back", "left"))
     assert any("other way round" in said for said in turned.warnings)
+    # A width that is 12 cm off, with the length as it is, does not look swapped.
+    wide = replace(FRAME, footprint_width_m=FRAME.footprint_width_m + 0.12)
+    (said,) = [text for text in calibrate_mount(recording, wide, order=order).warnings if "m, measured" in text]  # noqa: E501  # fmt: skip
+    assert "other way round" not in said and "width" in said
     with pytest.raises(InputError, match="expected names out of"):
         calibrate_mount(recording, FRAME, order=("up",))
 

@@ -174,6 +174,10 @@ def test_the_arm_by_noise_of_the_sensor_over_its_standard_deviation():
             velocity[run] = free - np.linspace(1 / 150, 1, 150)[:, None] * free[-1]
         return step * np.cumsum(velocity, axis=0)
 
+    # A sensor without noise is allowed, and then the arm has none.
+    zero = {"acc_noise_mps2_sqrthz": 0.0, "gyr_noise_radps_sqrthz": 0.0}
+    assert np.allclose(arm_noise(attitude, still, step, **zero), 0, atol=1e-15)
+
     # The best estimate of the path, if the height at the end is known: regress on it.
     pulls = slow(np.eye(410) / np.sqrt(step))
     by_end = pulls @ pulls[-1] / (pulls[-1] @ pulls[-1])
