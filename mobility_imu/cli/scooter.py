@@ -24,13 +24,6 @@ FORMS: dict[Form, LibraryForm] = {"three-axis": "corrected", "printed": "printed
 LARGEST_NOISE_MPS2 = 100.0
 LARGEST_POSE_DEG = 180.0
 LARGEST_SCALE_SD_DEG = 10.0
-CONTROLS = ("steering", "throttle")
-VERDICTS = {
-    "agrees": "agrees: the differences are as small as the stated uncertainty lets expect",
-    "differs": "differs: the differences are larger than the stated uncertainty explains",
-    "cannot be judged": "cannot be judged",
-}
-"""What the command says for each verdict."""
 
 app = sub_app("Mobility scooter: steering and throttle.")
 
@@ -165,6 +158,7 @@ def check(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Also write the table as CSV.")
     ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Whether the angles agree with those that a protractor set.
 
@@ -175,6 +169,7 @@ def check(
 
     import numpy as np
 
+    from mobility_imu.cli.summaries import pose_check_lines, read_line, written_line
     from mobility_imu.readers import read_recording, recording_files
     from mobility_imu.scooter import (
         PoseCheckSettings,
@@ -191,11 +186,14 @@ def check(
     make = PoseCheckSettings.for_calibrated_imus if sensors == "calibrated" else PoseCheckSettings
     settings = dataclasses.replace(make(method), scale_sd_rad=float(np.deg2rad(scale_sd_deg)))
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
-    set_rad = read_poses(poses)
-    found = check_poses(read_recording(parked), set_rad, scooter, mount, settings)
+    set_rad, recording = read_poses(poses), read_recording(parked)
+    found = check_poses(recording, set_rad, scooter, mount, settings)
+    written = []
     if output is not None:
         outputs.write({output: csv_bytes(found.to_frame(), output)})
+        written.append(written_line([output]))
     typer.echo(check_text(found))
+    summarize([read_line(recording), *pose_check_lines(found), *written], quiet)
 
 
 def check_text(found: PoseCheck) -> str:
@@ -209,7 +207,7 @@ def check_text(found: PoseCheck) -> str:
     -------
     str
     """
-    import numpy as np
+    from mobility_imu.cli.summaries import pose_check_lines
 
     lines = ["pose  control   set, deg  found, deg  difference, deg  sd, deg  inside 95 %"]
     for row in found.to_frame().itertuples():
@@ -218,12 +216,9 @@ def check_text(found: PoseCheck) -> str:
             f"{row.pose:4}  {row.control}  {row.set_deg:8.1f}  {row.found_deg:10.2f}  "
             f"{row.difference_deg:15.2f}  {row.sd_deg:7.2f}  {inside}"
         )
-    poses = int(found.judged.sum())
-    inside = found.inside[found.judged].sum(axis=0)
-    for name, rms, count in zip(CONTROLS, np.rad2deg(found.rms_rad), inside, strict=True):
-        lines.append(f"{name}: rms {rms:.2f} deg; {count} of {poses} inside their 95 % interval")
-    lines.append(f"chi-square {found.chi_square:.1f}, about {2 * poses} expected")
-    return "\n".join([*lines, f"- {VERDICTS[found.verdict]}", *(f"- {w}" for w in found.warnings)])
+    *rms, verdict = pose_check_lines(found)
+    chi = f"chi-square {found.chi_square:.1f}, about {2 * int(found.judged.sum())} expected"
+    return "\n".join([*lines, *rms, chi, f"- {verdict}", *(f"- {w}" for w in found.warnings)])
 
 
 def read_poses(path: Path) -> list[tuple[float, float]]:

@@ -17,8 +17,13 @@ def simulated(works):
 @pytest.mark.parametrize("method", ["closed-form", "fusion"])
 def test_a_calibrated_scooter_agrees_with_its_stops(tmp_path, works, method):
     options = ("--geometry", "s.toml", *POSES, "--method", method, "--sensors", "calibrated")
-    told = works("scooter", "check", PARKED[1], *options, "-o", "c.csv").stdout
-    lines = told.splitlines()
+    result = works("scooter", "check", PARKED[1], *options, "-o", "c.csv")
+    told, lines = result.stdout, result.stdout.splitlines()
+    summary = result.stderr.splitlines()
+    assert summary[0].startswith(f"read: {PARKED[1]}: body, lever")
+    assert len(summary) == 5 and summary[-1] == "written: c.csv"
+    quiet = works("scooter", "check", PARKED[1], *options, "--quiet")
+    assert quiet.stderr == "" and quiet.stdout == told
     table = pd.read_csv(tmp_path / "c.csv")
     assert list(table) == [
         "pose",
