@@ -155,6 +155,9 @@ def check(
     scale_sd_deg: Annotated[
         float, typer.Option(help="How well the protractor's zero and centre are set, deg.", min=0.0)
     ] = 0.5,
+    kept_on: Annotated[
+        bool, typer.Option("--kept-on", help="IMUs were not switched off since the calibration.")
+    ] = False,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Also write the table as CSV.")
     ] = None,
@@ -185,6 +188,8 @@ def check(
         )
     make = PoseCheckSettings.for_calibrated_imus if sensors == "calibrated" else PoseCheckSettings
     settings = dataclasses.replace(make(method), scale_sd_rad=float(np.deg2rad(scale_sd_deg)))
+    if kept_on:
+        settings = settings.kept_on()
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad, recording = read_poses(poses), read_recording(parked)
     found = check_poses(recording, set_rad, scooter, mount, settings)

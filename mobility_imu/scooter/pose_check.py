@@ -12,7 +12,7 @@ differences are judged by their whole covariance: an error that all poses share 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -154,6 +154,17 @@ class PoseCheckSettings:
             acc_scale_sd=ACC_SCALE_SD,
             acc_axes_sd_rad=ACC_MISALIGNMENT_SD_RAD,
         )
+
+    def kept_on(self) -> PoseCheckSettings:
+        """The same settings for IMUs that were not switched off since the calibration.
+
+        Their offsets changed by 1 mg: a kelvin, at 1 mg/K.
+
+        Returns
+        -------
+        PoseCheckSettings
+        """
+        return replace(self, acc_change_sd_mps2=0.001 * STANDARD_GRAVITY_MPS2)
 
     @property
     def set_sd_rad(self) -> float:

@@ -71,6 +71,15 @@ def test_a_calibration_makes_the_stated_deviation_smaller(checks):
     assert (with_mount < without).all()
 
 
+def test_sensors_that_stay_on_make_the_expected_deviation_smaller():
+    """A changed offset is most of what a calibration cannot take away."""
+    usual, on = (
+        pose_uncertainty(POSES, SUZUKI_ET4D, settings)
+        for settings in (PoseCheckSettings(), PoseCheckSettings().kept_on())
+    )
+    assert (on < usual).all() and (on[:, 0] < 0.5 * usual[:, 0]).all()
+
+
 def test_expected_uncertainty_is_that_of_drawn_errors():
     """Turns, offsets and axes drawn at a tenth of the assumed sizes, where all is linear."""
     tenth = {
