@@ -1,7 +1,7 @@
 """Independent real recordings: what is recorded of them, and whether it comes out here again.
 
-None of these recordings may be passed on, so the project keeps numbers that were computed from
-them, with origin, checksum of each file, and command. Where a set is on this machine, named by
+Most of these recordings have no licence for passing on, so the project keeps numbers that were
+computed from them, with origin, checksum of each file, and command. Where a set is on this machine, named by
 MOBILITY_IMU_RECORDINGS or fetched, its numbers are computed again and held against the record.
 """
 
