@@ -1,8 +1,8 @@
 """Independent real recordings: what is recorded of them, and whether it comes out here again.
 
 Most of these recordings have no licence for passing on, so the project keeps numbers that were
-computed from them, with origin, checksum of each file, and command. Where a set is on this machine, named by
-MOBILITY_IMU_RECORDINGS or fetched, its numbers are computed again and held against the record.
+computed from them, with origin, checksum of each file, and command. Where a set is on this machine,
+named by MOBILITY_IMU_RECORDINGS or fetched, its numbers are computed again and compared.
 """
 
 from __future__ import annotations
