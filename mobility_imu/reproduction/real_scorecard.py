@@ -18,8 +18,7 @@ ABOUT_REAL = (
     "Recordings that others made, with a reference of theirs, run with default settings. An error "
     "may be twice what our simulations promised; a stated uncertainty has to hold. The numbers are "
     "recorded with origin, checksums and command, and computed again where the recordings are. "
-    "Simulated: the same measure on our simulated recordings; at real level: with sensors as bad "
-    "as real recordings show them."
+    "Simulated is the same measure on our simulated recordings."
 )
 """The sentence with which the command begins."""
 COLOURS = {"as recorded": "green", "differs": "red", "other files": "red"}
@@ -120,25 +119,24 @@ def print_real(found: RealScorecard) -> None:
 def _promises(outcomes: Sequence[Outcome]) -> Table:
     from rich.table import Table
 
+    as_real = any(not math.isnan(o.claim.simulated_as_real) for o in outcomes)
     table = Table(
         title="Found on real recordings, and promised by simulation", title_justify="left"
     )
     for heading in ("set", "what", "unit"):
         table.add_column(heading)
-    for heading in ("asked for", "found", "simulated", "at real level", "n"):
+    for heading in ("asked for", "found", "simulated", *(["at real level"] * as_real), "n"):
         table.add_column(heading, justify="right")
     table.add_column("verdict")
     for outcome in outcomes:
         claim, agrees = outcome.claim, outcome.verdict == "agrees"
+        values = [outcome.ours, claim.simulated, *([claim.simulated_as_real] * as_real)]
         table.add_row(
             claim.where,
             claim.what,
             claim.unit,
             f"{claim.bound} {claim.target:.3g}".strip(),
-            *(
-                "-" if math.isnan(value) else f"{value:.3g}"
-                for value in (outcome.ours, claim.simulated, claim.simulated_as_real)
-            ),
+            *("-" if math.isnan(value) else f"{value:.3g}" for value in values),
             str(claim.n),
             "[green]agrees[/]" if agrees else f"[red]{outcome.verdict}: {reason_of(claim)}[/]",
         )
