@@ -60,7 +60,7 @@ def test_bad_input(tmp_path, fails):
     fails(*usual, says=["--poses"])
     fails(*usual, "--poses", "none.csv", says=["none.csv", "no such file"])
     (tmp_path / "few.csv").write_text("steering_deg,throttle_deg\n0,0\n")
-    fails(*usual, "--poses", "few.csv", says=["still stretches", "expected 1"])
+    fails(*usual, "--poses", "few.csv", says=["still ", "expected 1, one per pose"])
     (tmp_path / "radians.csv").write_text("steering_rad,throttle_rad\n0,0\n")
     fails(*usual, "--poses", "radians.csv", says=["steering_deg"])
     fails(*usual, *POSES, "--scale-sd-deg", "0", says=["--scale-sd-deg"])
