@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 
 ScooterCourse = Literal["straight", "curves", "slopes", "side", "tactile"]
 WalkerCourse = Literal["corridor", "rectangle", "timed-up-and-go"]
-Level = Literal["data-sheet", "sensor", "realistic"]
+Level = Literal["data-sheet", "sensor", "realistic", "real"]
+ScooterLevel = Literal["data-sheet", "real"]
+WheelchairLevel = Literal["sample", "real"]
+LEVEL_HELP = "Sensors: the usual sizes, or those that real recordings show."
 
 app = sub_app("Recordings with known truth.")
 
@@ -67,23 +70,29 @@ def scooter(
     output: Folder,
     seed: Seed,
     course: Annotated[ScooterCourse, typer.Option(help="What is driven.")] = "curves",
+    level: Annotated[ScooterLevel, typer.Option(help=LEVEL_HELP)] = "data-sheet",
     quiet: Quiet = False,
 ) -> None:
     """A scooter drawn from the seed: a ride, two parked recordings, truth and reference."""
     from mobility_imu.simulation import bundle
 
     outputs = _FolderOutputs(output, bundle.SCOOTER_FILES)
-    outputs.write(bundle.scooter_bundle(seed, course))
+    outputs.write(bundle.scooter_bundle(seed, course, level=level.replace("-", " ")))
     _summarize("scooter", output, seed, bundle.SCOOTER_FILES, quiet)
 
 
 @app.command("wheelchair")
-def wheelchair(output: Folder, seed: Seed, quiet: Quiet = False) -> None:
+def wheelchair(
+    output: Folder,
+    seed: Seed,
+    level: Annotated[WheelchairLevel, typer.Option(help=LEVEL_HELP)] = "sample",
+    quiet: Quiet = False,
+) -> None:
     """A chair with 19 degrees of camber on a court: three trials, truth and geometry."""
     from mobility_imu.simulation import bundle
 
     outputs = _FolderOutputs(output, bundle.WHEELCHAIR_FILES)
-    outputs.write(bundle.wheelchair_bundle(seed))
+    outputs.write(bundle.wheelchair_bundle(seed, level=level))
     _summarize("wheelchair", output, seed, bundle.WHEELCHAIR_FILES, quiet)
 
 
@@ -93,7 +102,10 @@ def walker(
     seed: Seed,
     course: Annotated[WalkerCourse, typer.Option(help="What is walked.")] = "corridor",
     level: Annotated[
-        Level, typer.Option(help="Noise only, errors of the sensor, of the frame as well.")
+        Level,
+        typer.Option(
+            help="Noise only, errors of the sensor, of the frame as well, as real sensors are."
+        ),
     ] = "realistic",
     pose: Annotated[int, typer.Option(help="Mounting of the paper's Table 1.", min=1, max=5)] = 1,
     quiet: Quiet = False,

@@ -13,7 +13,7 @@ import pandas as pd
 
 from mobility_imu.frames import as_count, one_of
 from mobility_imu.scooter.geometry import SUZUKI_ET4D, ScooterGeometry
-from mobility_imu.simulation.levels import LEVELS, MOUNTS, tilt_run, unit_of
+from mobility_imu.simulation.levels import LEVELS, MOUNTS, REAL_LEVEL, tilt_run, unit_of
 from mobility_imu.simulation.scooter import (
     COURSES,
     PARKED_POSES_DEG,
@@ -23,6 +23,7 @@ from mobility_imu.simulation.scooter import (
     simulate_parked,
     simulate_ride,
 )
+from mobility_imu.simulation.sensor import LPMS_CU2, REAL
 from mobility_imu.simulation.walker import (
     CORRIDOR,
     RECTANGLE,
@@ -35,6 +36,7 @@ from mobility_imu.simulation.wheelchair import (
     STATIC_TRIAL,
     STRAIGHT_TRIAL,
     random_mounting,
+    simulate_court,
     simulate_drive,
 )
 from mobility_imu.walker.geometry import WalkerGeometry
@@ -43,9 +45,12 @@ from mobility_imu.wheelchair.geometry import SAMPLE_CHAIR
 
 __all__ = [
     "SCOOTER_FILES",
+    "SCOOTER_SENSORS",
     "WALKER_COURSES",
     "WALKER_FILES",
+    "WALKER_LEVELS",
     "WHEELCHAIR_FILES",
+    "WHEELCHAIR_LEVELS",
     "scooter_bundle",
     "walker_bundle",
     "wheelchair_bundle",
@@ -83,17 +88,25 @@ WALKER_COURSES = MappingProxyType(
     {"corridor": CORRIDOR, "rectangle": RECTANGLE, "timed-up-and-go": TIMED_UP_AND_GO}
 )
 """What can be walked, by name."""
+SCOOTER_SENSORS = MappingProxyType({"data sheet": LPMS_CU2, "real": REAL})
+"""Sensors of a scooter, by the name of their level."""
+WHEELCHAIR_LEVELS = ("sample", "real")
+"""Sensors of a chair: noise and biases like those of WheelMove-ID's sample, or the sizes of others'
+recordings."""
+WALKER_LEVELS = MappingProxyType({**LEVELS, "real": REAL_LEVEL})
+"""Levels of a walking frame by name."""
 RAMP_RAD = float(np.deg2rad(5))
 """Slope of the second place where the scooter is parked."""
 
 
-def scooter_bundle(seed: int, course: str = "curves") -> Contents:
+def scooter_bundle(seed: int, course: str = "curves", *, level: str = "data sheet") -> Contents:
     """A scooter drawn from the seed: a ride, two parked recordings, truth and reference.
 
     Parameters
     ----------
     seed : the same seed gives the same contents
     course : name in ``mobility_imu.simulation.scooter.COURSES``
+    level : name in :data:`SCOOTER_SENSORS`
 
     Returns
     -------
@@ -102,13 +115,18 @@ def scooter_bundle(seed: int, course: str = "curves") -> Contents:
     Raises
     ------
     InputError
-        If there is no such course, or the seed is negative or not whole.
+        If there is no such course or level, or the seed is negative or not whole.
     """
     one_of("course", course, tuple(COURSES))
+    sensor = SCOOTER_SENSORS[one_of("level", level, tuple(SCOOTER_SENSORS))]
     unit = draw_scooter(seed)
-    ride = simulate_ride(COURSES[course], seed=seed, unit=unit, driver=draw_driver(seed))
+    ride = simulate_ride(
+        COURSES[course], seed=seed, unit=unit, driver=draw_driver(seed), sensor=sensor
+    )
     parked = [
-        simulate_parked(pitch_rad=pitch, bank_rad=0, seed=10 * seed + k, unit=unit).to_frame()
+        simulate_parked(
+            pitch_rad=pitch, bank_rad=0, seed=10 * seed + k, unit=unit, sensor=sensor
+        ).to_frame()
         for k, pitch in enumerate((0.0, RAMP_RAD))
     ]
     poses = pd.DataFrame(
@@ -125,12 +143,13 @@ def scooter_bundle(seed: int, course: str = "curves") -> Contents:
     return dict(zip(SCOOTER_FILES, contents, strict=True))
 
 
-def wheelchair_bundle(seed: int) -> Contents:
+def wheelchair_bundle(seed: int, *, level: str = "sample") -> Contents:
     """A chair with 19 degrees of camber on a court: three trials, truth and geometry.
 
     Parameters
     ----------
     seed : the same seed gives the same contents
+    level : name in :data:`WHEELCHAIR_LEVELS`; "real" drives with pushes, and its truth states slip
 
     Returns
     -------
@@ -139,12 +158,17 @@ def wheelchair_bundle(seed: int) -> Contents:
     Raises
     ------
     InputError
-        If the seed is negative or not whole.
+        If there is no such level, or the seed is negative or not whole.
     """
+    real = one_of("level", level, WHEELCHAIR_LEVELS) == "real"
     mounting = random_mounting(seed)
+    seeds = [1000 * seed + k for k in range(3)]
+    trials = zip((STATIC_TRIAL, STRAIGHT_TRIAL, COURT), seeds, strict=True)
     drives = [
-        simulate_drive(legs, SAMPLE_CHAIR, mounting, seed=1000 * seed + k)
-        for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
+        simulate_court(legs, SAMPLE_CHAIR, mounting, seed=one, unit_seed=seed, model=REAL)
+        if real
+        else simulate_drive(legs, SAMPLE_CHAIR, mounting, seed=one)
+        for legs, one in trials
     ]
     contents = (
         SAMPLE_CHAIR.to_toml(),
@@ -163,7 +187,7 @@ def walker_bundle(
     ----------
     seed : the same seed gives the same contents
     course : name in :data:`WALKER_COURSES`
-    level : name in :data:`~mobility_imu.simulation.levels.LEVELS`
+    level : name in :data:`WALKER_LEVELS`
     pose : mounting of the paper's Table 1, 1 to 5
 
     Returns
@@ -176,7 +200,7 @@ def walker_bundle(
         If there is no such course, level or pose, or the seed is negative or not whole.
     """
     path = WALKER_COURSES[one_of("course", course, tuple(WALKER_COURSES))]
-    chosen = LEVELS[one_of("level", level, tuple(LEVELS))]
+    chosen = WALKER_LEVELS[one_of("level", level, tuple(WALKER_LEVELS))]
     mounting = str(one_of("pose", as_count(pose, "pose"), range(1, len(MOUNTS) + 1)))
     tilts, tape = tilt_run(seed, mounting, chosen)
     walk = attach_imu(

@@ -8,14 +8,15 @@ known.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
 from scipy import linalg
 
+from mobility_imu.arguments import expect
 from mobility_imu.frames import as_count, one_of
-from mobility_imu.simulation.sensor import MTI_1, SensorModel, without
+from mobility_imu.simulation.sensor import MTI_1, REAL, SensorModel, without
 from mobility_imu.simulation.walker import (
     PERFECT,
     REALISTIC,
@@ -34,6 +35,7 @@ __all__ = [
     "FOOTPRINT",
     "LEVELS",
     "MOUNTS",
+    "REAL_LEVEL",
     "Level",
     "tilt_run",
     "unit_of",
@@ -56,6 +58,14 @@ class Level:
     sensor: SensorModel
     imperfections: Imperfections = PERFECT
 
+
+_REAL_FRAME = replace(REAL, gyr=replace(REAL.gyr, turn_on_bias_sd=float(np.deg2rad(0.57))))
+REAL_LEVEL = Level(_REAL_FRAME, REALISTIC)
+"""The sensor at the sizes that recordings of others show, on a frame that lands as "realistic".
+
+The gyroscope's offset is that of real frames, 0.57 deg/s (median of 29 recordings at rest in
+data/reference/real_sensors.csv); the wheels' of a chair are three times as large.
+"""
 
 LEVELS = MappingProxyType(
     {
@@ -149,6 +159,7 @@ def tilt_run(
     >>> len(run.tilts), tape == FOOTPRINT
     (4, True)
     """
+    expect("level", level, Level)
     unit = unit_of(seed, pose)
     motion = motion or simulate_tilts(FOOTPRINT, seed=seed, imperfections=level.imperfections)
     run = attach_imu(motion, MOUNTS[pose], level.sensor, seed=unit, unit_seed=unit)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import signal
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
@@ -22,17 +23,20 @@ from mobility_imu.frames import (
     as_clock,
     as_count,
     as_number,
+    as_series,
     as_vectors,
     check_positive,
 )
 from mobility_imu.recording import Imu
 from mobility_imu.results import Result
+from mobility_imu.simulation.disturbances import AT_ONCE, Delivery, VibrationBand, vibration
 from mobility_imu.simulation.seeds import stream
 
 __all__ = [
     "IDEAL",
     "LPMS_CU2",
     "MTI_1",
+    "REAL",
     "SensorModel",
     "SensorNoise",
     "SensorOutput",
@@ -56,6 +60,7 @@ class Triad:
     misalignment_sd_rad : rad, each axis leans toward each other one by this, drawn per unit
     full_scale : q, readings beyond are cut
     bits : of the converter over twice the full scale; 0 leaves the readings unrounded
+    step : q, readings are rounded to multiples of it, after the converter; 0 for none
     bandwidth_hz : Hz, corner of a second-order low-pass; inf for none
     """
 
@@ -68,6 +73,7 @@ class Triad:
     full_scale: float = np.inf
     bits: int = 0
     bandwidth_hz: float = np.inf
+    step: float = 0.0
 
     def __post_init__(self) -> None:
         """Check every size."""
@@ -94,6 +100,8 @@ class SensorModel:
     clock_rate_sd : 1, relative error of the sampling rate, drawn per unit
     clock_jitter_s : s, sd of each sample's time
     dropped_share : 1, share of samples that get lost
+    delivery : Delivery of the samples to the clock of a joined recording
+    vibration : of VibrationBand, what the sensor sits on, at the simulator's full speed
     """
 
     acc: Triad = Triad()
@@ -102,12 +110,18 @@ class SensorModel:
     clock_rate_sd: float = 0.0
     clock_jitter_s: float = 0.0
     dropped_share: float = 0.0
+    delivery: Delivery = AT_ONCE
+    vibration: tuple[VibrationBand, ...] = ()
 
     def __post_init__(self) -> None:
         """Check both triads, the coupling and the clock."""
         for name in ("acc", "gyr"):
             if not isinstance(getattr(self, name), Triad):
                 raise InputError(f"{name} = {getattr(self, name)!r:.60}: expected a Triad")
+        expect("delivery", self.delivery, Delivery)
+        object.__setattr__(self, "vibration", tuple(self.vibration))
+        for band in self.vibration:
+            expect("vibration", band, VibrationBand)
         sizes = ("g_sensitivity_sd", "clock_rate_sd", "clock_jitter_s", "dropped_share")
         check_positive(self, *sizes, allow_zero=sizes)
         if self.dropped_share >= 1:
@@ -225,6 +239,44 @@ LPMS_CU2 = SensorModel(
     clock_rate_sd=20e-6,
 )
 
+# What recordings of others show, measured by benchmarks/measure_real_sensors.py into
+# data/reference/real_sensors.csv, where files and checksums stand: noise (wheels of a chair, 0.015
+# m/s² and, of the frame, 0.07 deg/s in a sample at 100 Hz), gyroscope offset (1.7 deg/s on an axis,
+# median of a left wheel), steps of 0.01 g and 0.06 deg/s (one hinge), vibration (frame of a chair,
+# medians of six drives on four grounds), doubled samples (0.6 %, the worst of three streams), lost
+# ones (0.9 %, their median), stamps (0.2 ms, the worst). Stated with the recordings: accelerometer
+# offsets of 0.007 to 0.03 g (one hinge), lengths of gravity of 9.72 to 9.90 m/s² (two hinges, 1 %),
+# clocks of two sensors that agree within 30 ms (chair against motion capture). Misalignment is the
+# cross-axis sensitivity of 1 % that data sheets of this class state; clock rate, bandwidth and
+# ranges are assumed.
+REAL = SensorModel(
+    acc=Triad(
+        noise_density=0.0015,
+        turn_on_bias_sd=0.02 * _G,
+        scale_sd=0.01,
+        misalignment_sd_rad=0.01,
+        full_scale=8 * _G,
+        bandwidth_hz=45.0,
+        step=0.01 * _G,
+    ),
+    gyr=Triad(
+        noise_density=0.0075 * _DEG,
+        turn_on_bias_sd=1.7 * _DEG,
+        scale_sd=0.01,
+        misalignment_sd_rad=0.01,
+        full_scale=2000 * _DEG,
+        bandwidth_hz=45.0,
+        step=0.06 * _DEG,
+    ),
+    clock_rate_sd=20e-6,
+    delivery=Delivery(late_s=0.03, jitter_s=0.0002, doubled_share=0.006, filled_share=0.009),
+    vibration=(
+        VibrationBand((5.0, 10.0), 0.63),
+        VibrationBand((10.0, 20.0), 0.87),
+        VibrationBand((20.0, 45.0), 1.86),
+    ),
+)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SensorOutput(Result):
@@ -251,6 +303,7 @@ def measure(
     sampling_rate_hz: float,
     seed: int,
     unit_seed: int,
+    speed_share: ArrayLike | None = None,
 ) -> SensorOutput:
     """Readings that an IMU makes of a true motion.
 
@@ -263,6 +316,8 @@ def measure(
     sampling_rate_hz : Hz, of the output
     seed : of this power-up: biases, noise, jitter, losses
     unit_seed : of this unit: scale factors, misalignments, g-sensitivity, clock rate
+    speed_share : (m,) array, speed as a fraction of full speed, by which the model's vibration
+        grows; without it nothing vibrates
 
     Returns
     -------
@@ -294,9 +349,15 @@ def measure(
     stated = clock[0] + np.arange(count) / sampling_rate_hz
     true = clock[0] + (stated - clock[0]) / rate + model.clock_jitter_s * run.standard_normal(count)
 
+    way = stream(seed, 3)  # draws of its own: what was drawn before stays as it is
+    taken = true if model.delivery == AT_ONCE else model.delivery.taken(true, way)
+    if model.vibration and speed_share is not None:
+        share = as_series(speed_share, "speed_share", length=len(clock))
+        acc = acc + vibration(model.vibration, share, fast_hz, way)
+
     def sampled(values: FloatArray, triad: Triad) -> FloatArray:
         smooth = _low_pass(values, triad.bandwidth_hz, fast_hz)
-        return np.column_stack([np.interp(true, clock, axis) for axis in smooth.T])
+        return np.column_stack([np.interp(taken, clock, axis) for axis in smooth.T])
 
     true_acc, true_gyr = sampled(acc, model.acc), sampled(gyr, model.gyr)
     coupling = model.g_sensitivity_sd * unit.standard_normal((3, 3))
@@ -304,6 +365,8 @@ def measure(
         _read(values, triad, sampling_rate_hz, unit, run)
         for values, triad in ((true_acc, model.acc), (true_gyr + true_acc @ coupling.T, model.gyr))
     ]
+    if model.delivery != AT_ONCE:
+        readings = model.delivery.arrived(readings, way)
     kept = run.random(count) >= model.dropped_share
     return SensorOutput(stated[kept], true[kept], Imu(readings[0][kept], readings[1][kept]))
 
@@ -378,4 +441,6 @@ def _read(
     if triad.bits:
         step = 2 * triad.full_scale / 2**triad.bits
         reading = np.round(reading / step) * step
+    if triad.step:
+        reading = np.round(reading / triad.step) * triad.step
     return np.asarray(reading)

@@ -1,5 +1,9 @@
 """Levels and mountings of the walker's simulations, and the files of a simulated recording."""
 
+import importlib.util
+import os
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -14,11 +18,12 @@ from mobility_imu.simulation.levels import (
     FOOTPRINT,
     LEVELS,
     MOUNTS,
+    REAL_LEVEL,
     tilt_run,
     unit_of,
 )
 from mobility_imu.simulation.scooter import COURSES
-from mobility_imu.simulation.sensor import MTI_1
+from mobility_imu.simulation.sensor import MTI_1, REAL
 from mobility_imu.walker.geometry import WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
@@ -56,6 +61,83 @@ def test_levels_and_mountings_cannot_be_changed_for_others():
 
 def test_units_differ_by_pose_and_seed():
     assert len({unit_of(seed, pose) for seed in range(20) for pose in POSES}) == 100
+
+
+def size(quantity, sensor, measure="median"):
+    """Number of the table of what real recordings show."""
+    table = pd.read_csv(find_reference())
+    values = table["value"][(table["quantity"] == quantity) & (table["sensor"] == sensor)]
+    return getattr(values, measure)()
+
+
+def find_reference():
+    return Path(__file__).parents[2] / "data" / "reference" / "real_sensors.csv"
+
+
+def test_the_real_level_has_the_sizes_that_were_measured():
+    """Each within the digits that are written in the code."""
+    offset = "gyroscope offset, root mean square of the axes"
+    deg = np.deg2rad(1)
+    assert REAL.gyr.turn_on_bias_sd == pytest.approx(deg * size(offset, "left_wheel"), rel=0.03)
+    frame = REAL_LEVEL.sensor.gyr.turn_on_bias_sd
+    assert frame == pytest.approx(deg * size(offset, "frame"), rel=0.01)
+    assert REAL.acc.noise_density * 10 == pytest.approx(
+        size("accelerometer noise per sample", "left_wheel"), rel=0.05
+    )
+    assert REAL.gyr.noise_density * 10 == pytest.approx(
+        deg * size("gyroscope noise per sample", "frame"), rel=0.05
+    )
+    assert REAL.acc.step == pytest.approx(size("step of acc", "body"), rel=1e-3)
+    assert REAL.gyr.step == pytest.approx(deg * size("step of gyr", "body"), rel=1e-3)
+    for band in REAL.vibration:
+        low, high = band.band_hz
+        shaken = size(f"vibration {low:g} to {high:g} Hz", "frame")
+        assert band.sd_mps2 == pytest.approx(shaken, rel=0.01)
+    way = REAL.delivery
+    assert way.doubled_share == pytest.approx(
+        size("doubled samples", "stream", "max") / 100, rel=0.1
+    )
+    assert way.filled_share == pytest.approx(size("lost samples", "stream") / 100, rel=0.1)
+    jitter_ms = size("scatter of the stamps", "stream", "max")
+    assert way.jitter_s == pytest.approx(jitter_ms / 1e3, rel=0.05)
+
+
+def test_the_table_is_what_the_recordings_give():
+    root = os.environ.get("MOBILITY_IMU_RECORDINGS")
+    if root is None or not (Path(root) / "drives").is_dir():
+        pytest.skip("MOBILITY_IMU_RECORDINGS does not name the recordings")
+    spec = importlib.util.spec_from_file_location(
+        "measure_real_sensors", find_reference().parents[2] / "benchmarks/measure_real_sensors.py"
+    )
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    found, kept = module.measured(Path(root)), pd.read_csv(find_reference())
+    assert found.drop(columns="value").equals(kept.drop(columns="value"))
+    assert np.allclose(found["value"], kept["value"], rtol=0.02, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "make", "table"),
+    [
+        ("scooter", bundle.scooter_bundle, "ride.csv.gz"),
+        ("wheelchair", bundle.wheelchair_bundle, "court.csv.gz"),
+        ("walker", bundle.walker_bundle, "walk.csv.gz"),
+    ],
+)
+def test_all_devices_take_the_real_level(name, make, table):
+    """Rounded as real sensors are, but for samples that were filled in; the same bytes again."""
+    usual, real = make(2), make(2, level="real")
+    assert tuple(usual) == tuple(real)
+    recorded = real[table]
+    assert recorded.equals(make(2, level="real")[table])
+    for kind, step in (("acc", REAL.acc.step), ("gyr", REAL.gyr.step)):
+        values = recorded.filter(like=f"_{kind}_").to_numpy()
+        on_grid = np.abs(values / step - np.round(values / step)) < 1e-6
+        assert 0.97 < on_grid.mean() < 1
+    assert np.allclose(np.diff(recorded["time_s"]), 0.01)
+    assert len(recorded) == len(real["truth.csv.gz"])
+    with pytest.raises(InputError, match="level = 'none'"):
+        make(2, level="none")
 
 
 @pytest.mark.parametrize(

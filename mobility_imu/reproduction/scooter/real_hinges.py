@@ -23,11 +23,21 @@ from mobility_imu.frames import FloatArray, wrap_angle
 from mobility_imu.readers import read_recording
 from mobility_imu.readers.table import parse_numbers, read_text
 from mobility_imu.reproduction.real import Numbers, checksums, origin_of
-from mobility_imu.reproduction.scooter.calibration import park_and_calibrate
+from mobility_imu.reproduction.scooter.calibration import PLACES_DEG
+from mobility_imu.scooter.calibration import calibrate_mount
 from mobility_imu.scooter.geometry import SUZUKI_ET4D, ScooterGeometry
 from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.scooter.ride import Method, RideAngles, RideSettings, estimate_ride
-from mobility_imu.simulation.scooter import COURSES, draw_driver, draw_scooter, simulate_ride
+from mobility_imu.simulation.scooter import (
+    COURSES,
+    PARKED_POSES_RAD,
+    SimulatedRide,
+    draw_driver,
+    draw_scooter,
+    simulate_parked,
+    simulate_ride,
+)
+from mobility_imu.simulation.sensor import LPMS_CU2, REAL, SensorModel
 
 ANGLES = ("steering", "throttle")
 METHODS: tuple[Method, ...] = ("fusion", "closed-form")
@@ -169,6 +179,7 @@ def _recorded(chain: Chain) -> Numbers | None:
         return None
     numbers = chain_numbers(chain, folder)
     numbers["summary"]["simulated"] = simulated_summary()
+    numbers["summary"]["simulated_as_real"] = simulated_summary(REAL)
     return {"numbers": numbers, "inputs": numbers["files"]}
 
 
@@ -291,11 +302,14 @@ def _over_recordings(errors: list[Numbers]) -> Numbers:
 
 
 @cache
-def simulated_summary(scooters: int = SIMULATED_SCOOTERS) -> Numbers:
+def simulated_summary(
+    sensor: SensorModel = LPMS_CU2, scooters: int = SIMULATED_SCOOTERS
+) -> Numbers:
     """The same summary of simulated rides, calibrated on the car park: what simulation promises.
 
     Parameters
     ----------
+    sensor : SensorModel of both IMUs
     scooters : how many are drawn; each drives every course once
 
     Returns
@@ -305,13 +319,30 @@ def simulated_summary(scooters: int = SIMULATED_SCOOTERS) -> Numbers:
     rows = []
     for seed in range(scooters):
         unit, driver = draw_scooter(seed), draw_driver(seed)
-        mount = park_and_calibrate(unit, "level + ramp").mount
+        parked = [
+            simulate_parked(
+                pitch_rad=float(np.deg2rad(pitch)),
+                bank_rad=float(np.deg2rad(roll)),
+                seed=100 * seed + k,
+                unit=unit,
+                sensor=sensor,
+            )
+            for k, (pitch, roll) in enumerate(PLACES_DEG["level + ramp"])
+        ]
+        mount = calibrate_mount(parked, PARKED_POSES_RAD, SUZUKI_ET4D).mount
         for course in COURSES.values():
-            ride = simulate_ride(course, seed=seed, unit=unit, driver=driver)
+            ride = simulate_ride(course, seed=seed, unit=unit, driver=driver, sensor=sensor)
             true_rad = np.column_stack([ride.steering_rad, ride.throttle_rad])
             for method in METHODS:
-                found = estimate_ride(
-                    ride.recording, SUZUKI_ET4D, mount, RideSettings(method=method)
-                )
-                rows.append({"method": method, **errors_by_angle(found, true_rad)})
+                rows.append({"method": method, **_simulated_errors(ride, mount, true_rad, method)})
     return summary_of(rows)
+
+
+def _simulated_errors(
+    ride: SimulatedRide, mount: ScooterMount, true_rad: FloatArray, method: Method
+) -> Numbers:
+    try:
+        found = estimate_ride(ride.recording, SUZUKI_ET4D, mount, RideSettings(method=method))
+    except InputError as error:
+        return {"refused": str(error)}
+    return errors_by_angle(found, true_rad)
