@@ -18,7 +18,8 @@ ABOUT_REAL = (
     "Recordings that others made, with a reference of theirs, run with default settings. An error "
     "may be twice what our simulations promised; a stated uncertainty has to hold. The numbers are "
     "recorded with origin, checksums and command, and computed again where the recordings are. "
-    "Simulated is the same measure on our simulated recordings."
+    "Simulated is the same measure on our simulated recordings; at real level: with sensors as bad "
+    "as real recordings show them."
 )
 """The sentence with which the command begins."""
 COLOURS = {"as recorded": "green", "differs": "red", "other files": "red"}

@@ -61,6 +61,15 @@ def test_hinges_give_the_recorded_numbers_again(name):
     assert found.state == "as recorded", found.message
 
 
+@pytest.mark.parametrize("name", HINGES)
+def test_the_simulation_stands_beside_at_both_levels(name):
+    claims = real_claims.ROWS[name](name, RECORDS[name].numbers)
+    errors = [claim for claim in claims if "by fusion: rms error" in claim.what]
+    assert len(errors) == 2
+    for claim in errors:
+        assert claim.reference == claim.simulated < claim.simulated_as_real
+
+
 def test_an_error_twice_as_large_as_promised_agrees_still():
     def verdict(found):
         return check(real_claims.promised("real_car", "error", "m/s", Sides(found, 1.0), 2)).verdict
