@@ -24,7 +24,12 @@ from datetime import datetime
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))  # the package of this checkout, whichever one is installed
+sys.path[:0] = [
+    str(ROOT),
+    str(ROOT / "book"),
+]  # the package of this checkout, whichever is installed
+
+from modules import write_pages  # noqa: E402
 
 from mobility_imu.reproduction import imports  # noqa: E402
 
@@ -171,6 +176,7 @@ def assemble() -> None:
     shutil.rmtree(SOURCE, ignore_errors=True)
     ignore = shutil.ignore_patterns("*.ipynb", "__pycache__")
     shutil.copytree(ROOT / "book", SOURCE / "book", ignore=ignore)
+    write_pages(SOURCE / "book")
     shutil.copyfile(ROOT / "pyproject.toml", SOURCE / "pyproject.toml")
     for notebook in notebooks():
         target = SOURCE / notebook

@@ -50,11 +50,11 @@ SHORTEST_REST_S = 1.0
 LARGEST_OFFSET_RADPS = 0.15
 """Nothing that is sold has more (8.6 deg/s): it is a steady turn."""
 LARGE_OFFSET_RADPS = float(np.deg2rad(1.0))
-"""From this size on a warning states the offset: it makes 30 deg in half a minute."""
+"""From this size on a warning states the offset, which makes 30 deg in half a minute."""
 LARGE_SD_RADPS = float(np.deg2rad(0.5))
 """From this uncertainty on too."""
 UNKNOWN_OFFSET_SD_RADPS = float(np.deg2rad(0.5))
-"""Offset of a usual sensor of which no rest is known (MTi-1: 0.5 deg/s, data sheet)."""
+"""Offset of a usual sensor without a known rest; 0.5 deg/s in the data sheet of the MTi-1."""
 DRIFT_SD_RADPS = float(np.deg2rad(0.1))
 """Change of an offset between two recordings of one day: warming up by some degrees, at 0.02 to
 0.05 (deg/s)/K of usual data sheets."""

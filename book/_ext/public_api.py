@@ -1,15 +1,15 @@
-"""Sphinx extension: directives that document a package from what it says of itself.
+"""Sphinx extension: what a package offers, as tables that lead to the pages of its modules.
 
-``public-api`` documents the names in a package's ``__all__``, each with where it is defined, so
-that every reference finds it; a module without ``__all__`` is documented whole. ``inside``
-documents the rest of a package: what its modules define and no ``__all__`` lists.
+``public-api`` lists the names in a package's ``__all__``, each with the first line of its
+docstring and a link to where it is defined; of a module without ``__all__`` it lists what that
+defines. ``module-list`` lists the pages of all modules (``book/modules.py``).
 """
 
 import ast
 import importlib
 import inspect
-import pkgutil
 import re
+import sys
 from functools import cache
 from pathlib import Path
 
@@ -17,19 +17,9 @@ from docutils import nodes
 from docutils.statemachine import StringList
 from sphinx.util.docutils import SphinxDirective
 
-ROOT = "mobility_imu"
-PAGE = Path(__file__).resolve().parents[1] / "api.md"
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-
-@cache
-def modules_of(name):
-    """A package and all modules in it, without private ones, by their names."""
-    module = importlib.import_module(name)
-    found = [name]
-    for each in pkgutil.iter_modules(getattr(module, "__path__", [])):
-        if not each.name.startswith("_"):
-            found += modules_of(f"{name}.{each.name}")
-    return tuple(found)
+from modules import ROOT, documented, modules_of, page_of
 
 
 @cache
@@ -60,53 +50,52 @@ def home(package, name):
 
 def offered(package):
     """Names that a package offers, with the modules that define them; a module by None."""
+    module = importlib.import_module(package)
+    if not hasattr(module, "__all__"):
+        return [
+            (name, package) for name in sorted(assigned(package)) if is_documented(module, name)
+        ]
     found = []
-    for name in getattr(importlib.import_module(package), "__all__", ()):
-        value = getattr(importlib.import_module(package), name)
+    for name in module.__all__:
+        value = getattr(module, name)
         found.append((name, None if inspect.ismodule(value) else home(package, name)))
     return found
 
 
-@cache
-def public():
-    """Modules and names that the page with ``public-api`` documents."""
-    found = set(re.findall(r"^```{public-api} (\S+)$", PAGE.read_text(), flags=re.MULTILINE))
-    for package in modules_of(ROOT):
-        if hasattr(importlib.import_module(package), "__path__"):
-            found |= {
-                f"{package}.{name}" if module is None else f"{module}.{name}"
-                for name, module in offered(package)
-            }
-    return frozenset(found)
+def is_documented(module, name):
+    """Whether a module's own page shows a name: a class or function with a docstring."""
+    value = getattr(module, name)
+    kind = inspect.isclass(value) or inspect.isroutine(value)
+    return not name.startswith("_") and kind and bool(inspect.getdoc(value))
+
+
+def first_line(package, name, module):
+    """What a name is, in a line; data have their line on their page only."""
+    value = getattr(importlib.import_module(package), name)
+    if module is not None and not (inspect.isclass(value) or inspect.isroutine(value)):
+        return "(data)"
+    line = (inspect.getdoc(value) or "").partition("\n")[0]
+    return re.sub(r":[\w:]+:`~?(?:\w+\.)*(\w+)`", r"``\1``", line)  # it stands in another module
 
 
 def public_lines(package):
-    """Lines that document what a package or a module offers."""
-    if not hasattr(importlib.import_module(package), "__all__"):
-        return [f".. automodule:: {package}", "   :members:", "   :show-inheritance:"]
-    lines = [f".. automodule:: {package}", ""]
+    """Table of what a package or a module offers."""
+    lines = [".. list-table::", "   :widths: 35 65", ""]
     for name, module in offered(package):
-        if module is None:
-            lines += [f".. automodule:: {package}.{name}", "   :members:", ""]
-            continue
-        value = getattr(importlib.import_module(package), name)
-        kind = "class" if inspect.isclass(value) else "function" if callable(value) else "data"
-        if kind == "function" and not inspect.isroutine(value):
-            kind = "data"
-        lines += [f".. auto{kind}:: {module}.{name}"]
-        lines += ["   :members:", ""] if kind == "class" else [""]
+        target = f"{package}.{name}" if module is None else f"{module}.{name}"
+        role = "py:mod" if module is None else "py:obj"
+        lines += [f"   * - :{role}:`{name} <{target}>`"]
+        lines += [f"     - {first_line(package, name, module)}"]
     return lines
 
 
-def inside_lines(package):
-    """Lines that document the rest of a package."""
-    lines = []
-    for module in modules_of(package):
-        if hasattr(importlib.import_module(module), "__path__") or module in public():
-            continue
-        shown = [name for name in assigned(module) if f"{module}.{name}" in public()]
-        lines += [f".. automodule:: {module}", "   :members:"]
-        lines += [f"   :exclude-members: {', '.join(sorted(shown))}", ""] if shown else [""]
+def module_lines(_):
+    """Table of all modules."""
+    lines = [".. list-table::", "   :widths: 35 65", ""]
+    for name in documented():
+        line = (inspect.getdoc(importlib.import_module(name)) or "").partition("\n")[0]
+        title = name.removeprefix(f"{ROOT}.")
+        lines += [f"   * - :doc:`{title} </book/{page_of(name)}>`", f"     - {line}"]
     return lines
 
 
@@ -118,20 +107,22 @@ class PublicApi(SphinxDirective):
 
     def run(self):
         """Write reStructuredText and let the page's own parser read it."""
-        lines = ["```{eval-rst}", *self.lines_of(self.arguments[0]), "```"]
+        argument = self.arguments[0] if self.arguments else ""
+        lines = ["```{eval-rst}", *self.lines_of(argument), "```"]
         box = nodes.container()
         self.state.nested_parse(StringList(lines, source=__file__), 0, box)
         return box.children
 
 
-class Inside(PublicApi):
-    """What the modules of a package define and no ``__all__`` lists."""
+class ModuleList(PublicApi):
+    """Pages of all modules."""
 
-    lines_of = staticmethod(inside_lines)
+    required_arguments = 0
+    lines_of = staticmethod(module_lines)
 
 
 def setup(app):
     """Register the directives."""
     app.add_directive("public-api", PublicApi)
-    app.add_directive("inside", Inside)
+    app.add_directive("module-list", ModuleList)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

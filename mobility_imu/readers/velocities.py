@@ -17,7 +17,7 @@ from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.results import Result
 
 STANDARD_DEVIATION = r"(?<![a-z])(?:sd|std)(?![a-z])"
-"""In the name of a column: it holds no velocity but how uncertain one is."""
+"""In the name of a column that holds a standard deviation, not a velocity."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -77,6 +77,24 @@ STUDIES: dict[str, Study] = {
         "none: nothing is drawn",
         reads_recordings=True,
     ),
+    "real_chair_mocap": Study(
+        "mobility_imu.reproduction.wheelchair.real_mocap",
+        "study",
+        "0 to 19, of the simulated courts beside the recordings",
+        reads_recordings=True,
+    ),
+    "real_car": Study(
+        "mobility_imu.reproduction.wheelchair.real_car",
+        "study",
+        "none: nothing is drawn",
+        reads_recordings=True,
+    ),
+    "real_drives": Study(
+        "mobility_imu.reproduction.wheelchair.real_drives",
+        "study",
+        "0 to 9, of the simulated drives beside the recordings",
+        reads_recordings=True,
+    ),
     "walker_walks": Study(
         "mobility_imu.reproduction.walker.walks",
         "walker_walks",

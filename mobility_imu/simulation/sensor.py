@@ -134,7 +134,7 @@ class SensorNoise:
 
     A :class:`SensorModel` states a noise density, so that its samples become noisier with the
     sampling rate. These sizes are what one sample has at any rate, as they are read from a
-    recording at rest. :func:`mobility_imu.simulation.wheelchair.simulate_drive` adds them to exact
+    recording at rest. ``simulate_drive`` adds them to exact
     samples; the bundled recordings were made that way.
 
     Parameters

@@ -46,7 +46,8 @@ HEIGHT = D_POS + 2
 XY = 15  # in a row of variances, after those of the error state: covariance of x and y
 ROW, DIAGONAL, SIZE = 16, 17, 240  # of a flat matrix: from row to row, along the diagonal, numbers
 # Order of the noise's squared densities, see eskf.Noise.
-N_GYR, N_ACC, N_GYR_WALK, N_ACC_WALK, N_VELOCITY, N_HEIGHT, N_RATE, N_LONG, N_SATURATED = range(9)
+N_GYR, N_ACC, N_GYR_WALK, N_ACC_WALK, N_VELOCITY, N_HEIGHT, N_RATE, N_LONG = range(8)
+N_SATURATED, N_RATE_SATURATED = 8, 9  # squares of a sample's noise at the end of the range
 
 # A product and the sum after it may be rounded once instead of twice ("contract"), nothing else.
 _compiled = compiled(fastmath={"contract"}, error_model="numpy")
@@ -272,12 +273,12 @@ def correct(states: FloatArray, k: int, error: FloatArray) -> None:
 
 @_compiled
 def add_noise(
-    p: FloatArray, noise: FloatArray, acc: float, h: float, samples: int, fraction: float
+    p: FloatArray, noise: FloatArray, acc: float, gyr: float, h: float, samples: int
 ) -> None:
-    """P + Q of a stride, see eskf.process_noise."""
+    """P + Q of a stride, see eskf.process_noise; acc and gyr are the sensors' squared densities."""
     position = acc * h * h * h * (1 / 3 - 1 / (12 * samples**2))
     for i in range(3):
-        p[DIAGONAL * i] += noise[N_GYR] * fraction / 4 * h
+        p[DIAGONAL * i] += gyr / 4 * h
         p[DIAGONAL * (D_GYR + i)] += noise[N_GYR_WALK] * h
         p[DIAGONAL * (D_POS + i)] += position
         p[ROW * (D_POS + i) + D_VEL + i] += acc * h * h / 2
@@ -338,7 +339,7 @@ def observe(
 @_compiled
 def run_filter(
     acc: FloatArray, gyr: FloatArray, still: NDArray[np.bool_], long_move: NDArray[np.bool_],
-    saturated: NDArray[np.bool_],
+    saturated: NDArray[np.bool_], rate_saturated: NDArray[np.bool_],
     observed: FloatArray, dt: FloatArray, ends: NDArray[np.int64], noise: FloatArray,
     zero_rate: bool, sign: float, coupling: float, upright_cos: float, work: FloatArray,
     states: FloatArray, covariances: FloatArray, transitions: FloatArray, innovations: FloatArray,
@@ -375,7 +376,10 @@ def run_filter(
         symmetrise(p)
         more = noise[N_LONG] if long_move[begin] else 1.0
         force = noise[N_SATURATED] * h if saturated[begin] else noise[N_ACC] * more
-        add_noise(p, noise, force, h, end - begin, fraction * more)
+        rate = noise[N_GYR] * (fraction * more)
+        if rate_saturated[begin]:
+            rate = noise[N_RATE_SATURATED] * h
+        add_noise(p, noise, force, rate, h, end - begin)
         if rest:
             now = matrix_of(states[end, 0], states[end, 1], states[end, 2], states[end, 3])
             upright = now[6] * up[6] + now[7] * up[7] + now[8] * up[8] > upright_cos

@@ -49,6 +49,8 @@ __all__ = [
 
 SATURATED_ACC_SD_MPS2 = 20.0
 """Noise of one sample, m/s², where the sensor is at the end of its range; nothing is known."""
+SATURATED_GYR_SD_RADPS = 1.0
+"""Noise of one sample, rad/s, where the gyroscope is at the end of its range: 60 deg/s."""
 
 _EYE3, _EYE15 = np.eye(3), np.eye(15)
 
@@ -77,7 +79,8 @@ class Problem(NamedTuple):
     dt: FloatArray  # (n,) s, length of the intervals
     still: NDArray[np.bool_]  # (n,)
     long_move: NDArray[np.bool_]  # (n,) whether the move is too long for one of a frame
-    saturated: NDArray[np.bool_]  # (n,)
+    saturated: NDArray[np.bool_]  # (n,) whether the accelerometer is at the end of its range
+    rate_saturated: NDArray[np.bool_]  # (n,) whether the gyroscope is
     observed: FloatArray  # (n, 4) velocity and height that the updates observe; (1, 4): always
     ends: NDArray[np.int64]  # (m,) sample after each stride's last
     noise: Noise
@@ -108,7 +111,12 @@ def motion_fraction(noise: Noise) -> float:
 
 
 def process_noise(
-    noise: Noise, dt_s: float, samples: int, fraction: float, saturated: bool
+    noise: Noise,
+    dt_s: float,
+    samples: int,
+    fraction: float,
+    saturated: bool,
+    rate_saturated: bool = False,
 ) -> FloatArray:
     """Covariance Q of w in eq. 24, integrated over a stride of some samples (-v_g/2, -C'(q) v_a).
 
@@ -117,8 +125,9 @@ def process_noise(
     """
     h = dt_s
     acc = SATURATED_ACC_SD_MPS2**2 * h if saturated else noise.acc
+    gyr = SATURATED_GYR_SD_RADPS**2 * h if rate_saturated else noise.gyr * fraction
     q = np.zeros((15, 15))
-    q[ATTITUDE, ATTITUDE] = noise.gyr * fraction / 4 * h * _EYE3
+    q[ATTITUDE, ATTITUDE] = gyr / 4 * h * _EYE3
     q[GYR_BIAS, GYR_BIAS] = noise.gyr_bias_walk * h * _EYE3
     q[POSITION, POSITION] = acc * h**3 * (1 / 3 - 1 / (12 * samples**2)) * _EYE3
     q[POSITION, VELOCITY] = q[VELOCITY, POSITION] = acc * h**2 / 2 * _EYE3
@@ -137,6 +146,7 @@ def predict(
     *,
     fraction: float = 1.0,
     saturated: bool = False,
+    rate_saturated: bool = False,
     form: Form = "corrected",
 ) -> tuple[list[NavigationState], FloatArray, FloatArray]:
     """States and covariance after a stride: eqs 20 and 21 at each sample, eq. 24 as P → Φ P Φ' + Q.
@@ -148,7 +158,7 @@ def predict(
     dt : (k,) array, s
     noise : Noise
     fraction : of the measured rate that counts as motion
-    saturated : whether the accelerometer was at the end of its range
+    saturated, rate_saturated : whether accelerometer, gyroscope were at the end of their range
     form : of eq. 24
 
     Returns
@@ -160,7 +170,7 @@ def predict(
         state, step = strapdown_step(state, acc_k, gyr_k, dt_k, form=form, motion_fraction=fraction)
         states.append(state)
         phi = step @ phi
-    q = process_noise(noise, float(dt.sum()), len(dt), fraction, saturated)
+    q = process_noise(noise, float(dt.sum()), len(dt), fraction, saturated, rate_saturated)
     return states, phi, phi @ covariance @ phi.T + q
 
 
@@ -352,7 +362,7 @@ def run_filter(problem: Problem, start: NavigationState, covariance: FloatArray)
         path, phi, covariance = predict(
             state, covariance, problem.acc[stride], problem.gyr[stride], problem.dt[stride],
             noise, fraction=fraction, saturated=bool(problem.saturated[begin]),
-            form=problem.form,
+            rate_saturated=bool(problem.rate_saturated[begin]), form=problem.form,
         )  # fmt: skip
         state, done = path[-1], None
         if rest:

@@ -81,7 +81,7 @@ def navigate_recording(
     _check_rate_and_size(recording)
     imu, gyr = recording.sensor("frame"), recording.gyroscope("frame")
     rate_hz = recording.sampling_rate_hz
-    cut, warnings = _faulty_samples(recording)
+    (cut, cut_gyr), warnings = _faulty_samples(recording)
     offset = _offset(recording, settings, stillness)
     if offset.any():
         gyr = gyr - offset
@@ -113,6 +113,7 @@ def navigate_recording(
             settings,
             smooth=smooth,
             cut=cut[begin:],
+            cut_gyr=cut_gyr[begin:],
             closed_loop=closed_loop,
         )
     except InputError as error:
@@ -166,8 +167,10 @@ def _check_rate_and_size(recording: Recording) -> None:
         )
 
 
-def _faulty_samples(recording: Recording) -> tuple[NDArray[np.bool_], list[str]]:
-    """Samples in which the accelerometer is at the end of its range, and warnings of all faults."""
+def _faulty_samples(
+    recording: Recording,
+) -> tuple[tuple[NDArray[np.bool_], NDArray[np.bool_]], list[str]]:
+    """Samples with accelerometer, gyroscope at the end of their range, and all faults' warnings."""
     acc, gyr = recording.sensor("frame").acc_mps2, recording.gyroscope("frame")
     # A sensor that seldom moves repeats its largest value by rounding; a range ends far out.
     cut_acc = saturated_samples(acc) & (np.abs(acc).max(axis=1) > 15.0)
@@ -185,7 +188,7 @@ def _faulty_samples(recording: Recording) -> tuple[NDArray[np.bool_], list[str]]
             f"{recording.source}: the readings repeat themselves in {int(frozen.sum())} samples, "
             f"first at {recording.time_s[np.argmax(frozen)]:g} s: was the sensor frozen?"
         )
-    return cut_acc, warnings
+    return (cut_acc, cut_gyr), warnings
 
 
 def _why_not_still(

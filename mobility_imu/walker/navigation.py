@@ -49,6 +49,7 @@ from mobility_imu.walker.error_state import (
 )
 from mobility_imu.walker.geometry import rotation_world_to_imu
 from mobility_imu.walker.navigation_settings import ClosedLoop, NavigationSettings
+from mobility_imu.walker.saturation import bridged_rates
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -211,6 +212,7 @@ def navigate(
     *,
     smooth: bool = True,
     cut: ArrayLike | None = None,
+    cut_gyr: ArrayLike | None = None,
     closed_loop: ClosedLoop | None = None,
 ) -> Navigation:
     """Path of an IMU: error-state Kalman filter and, unless ``smooth=False``, RTS smoother.
@@ -229,7 +231,8 @@ def navigate(
     still : (n,) bool array, see :func:`mobility_imu.walker.stillness.find_stillness`
     settings : NavigationSettings
     smooth : whether each estimate may use what comes after it
-    cut : (n,) bool array, samples in which the accelerometer was at the end of its range
+    cut, cut_gyr : (n,) bool arrays, samples in which accelerometer, gyroscope were at the end of
+        their range
     closed_loop : tells the smoother that the frame ends where it began
 
     Returns
@@ -244,11 +247,14 @@ def navigate(
     """
     settings = settings_or_default("settings", settings, NavigationSettings)
     clock, acc, gyr, at_rest = _inputs(time_s, acc_mps2, gyr_radps, still)
+    gyr, beyond = bridged_rates(gyr, settings.gyr_range_radps)
+    if cut_gyr is not None:
+        beyond = beyond | as_flags(cut_gyr, "cut_gyr", length=len(clock))
     acc, gyr = interval_means(acc, gyr, float(np.median(np.diff(clock))))
     state, covariance = _start(clock, acc, gyr, at_rest, settings)
     return run_filter(
         clock, acc, gyr, at_rest, state, covariance, settings,
-        smooth=smooth, cut=cut, closed_loop=closed_loop,
+        smooth=smooth, cut=cut, cut_gyr=beyond, closed_loop=closed_loop,
     )  # fmt: skip
 
 
@@ -263,6 +269,7 @@ def run_filter(
     *,
     smooth: bool = True,
     cut: ArrayLike | None = None,
+    cut_gyr: ArrayLike | None = None,
     closed_loop: ClosedLoop | None = None,
     observed: ArrayLike | None = None,
 ) -> Navigation:
@@ -270,7 +277,8 @@ def run_filter(
 
     Parameters
     ----------
-    time_s, acc_mps2, gyr_radps, still, settings, smooth, cut, closed_loop : as in :func:`navigate`
+    time_s, acc_mps2, gyr_radps, still, settings, smooth, closed_loop : as in :func:`navigate`
+    cut, cut_gyr : as in :func:`navigate`
     start : NavigationState
     covariance : (15, 15) array, of the error of the start
     observed : (n, 4) array, velocity (m/s) and height (m) that the updates observe; zeros if it is
@@ -283,7 +291,9 @@ def run_filter(
     """
     clock, acc, gyr, at_rest = _inputs(time_s, acc_mps2, gyr_radps, still)
     count = len(clock)
-    saturated = as_flags(np.zeros(count, np.bool_) if cut is None else cut, "cut", length=count)
+    nowhere = np.zeros(count, np.bool_)
+    saturated = as_flags(nowhere if cut is None else cut, "cut", length=count)
+    rate_saturated = as_flags(nowhere if cut_gyr is None else cut_gyr, "cut_gyr", length=count)
     seen = np.zeros((1, 4)) if observed is None else np.array(observed, float, order="C")
     if observed is not None and (seen.shape != (count, 4) or not np.isfinite(seen).all()):
         raise InputError(f"observed {seen.shape}: expected ({count}, 4) finite numbers")
@@ -296,11 +306,11 @@ def run_filter(
         )
     first, first_covariance = _checked_start(start), _checked_covariance(covariance)
     dt = _intervals(clock)
-    alone = saturated | (dt > GAP_FACTOR * np.median(dt))
+    alone = saturated | rate_saturated | (dt > GAP_FACTOR * np.median(dt))
     ends = eskf.stride_ends(at_rest, alone, settings.moving_stride, settings.resting_stride)
     problem = eskf.Problem(
-        acc, gyr, dt, at_rest, _long_moves(at_rest, dt, settings.longest_move_s), saturated, seen,
-        ends, settings.noise(), settings.zero_rate,
+        acc, gyr, dt, at_rest, _long_moves(at_rest, dt, settings.longest_move_s), saturated,
+        rate_saturated, seen, ends, settings.noise(), settings.zero_rate,
         settings.form, float(np.cos(settings.upright_rad)),
     )  # fmt: skip
     states, variances, nis, dof = _solve(problem, first, first_covariance, smooth, closed_loop)
@@ -331,12 +341,13 @@ def _solve(
     innovations, weights, errors = np.zeros((3, strides, 15))
     nis, dof = np.zeros(count), np.zeros(count, np.int64)
     sign, coupling = (1.0, 0.0) if problem.form == "printed" else (-1.0, 1.0)
-    noise = np.array([*problem.noise, eskf.SATURATED_ACC_SD_MPS2**2])
+    at_limit = eskf.SATURATED_ACC_SD_MPS2**2, eskf.SATURATED_GYR_SD_RADPS**2
+    noise = np.array([*problem.noise, *at_limit])
     mu, big_lambda = np.zeros(15), np.zeros((15, 15))
     variances = np.empty((strides + 1, 16))
     forward = (
         problem.acc, problem.gyr, problem.still, problem.long_move, problem.saturated,
-        problem.observed, problem.dt,
+        problem.rate_saturated, problem.observed, problem.dt,
         problem.ends, noise, problem.zero_rate, sign, coupling, problem.upright_cos, work, states,
         covariances, transitions, innovations, weights, errors, nis, dof,
     )  # fmt: skip

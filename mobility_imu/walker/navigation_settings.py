@@ -40,6 +40,7 @@ class NavigationSettings:
     longest_move_s : s, a frame that is lifted and set down rests again before
     long_move_factor : 1, larger noise of both sensors in a move that lasts longer, in which errors
         add up that one step does not show (a frame on wheels, carried, or a sensor on a foot)
+    gyr_range_radps : rad/s, a rate beyond it is cut by the gyroscope: bridged, and uncertain
     zero_rate : whether to make zero-rate updates, which the paper does not
     initial_gyr_mean : whether to start with the mean of the gyroscope over the first rest
     gyr_bias_prior_sd_radps : rad/s, size of the bias where the start is not that mean, but zero
@@ -69,6 +70,7 @@ class NavigationSettings:
     upright_rad: float = 3 * _DEG
     longest_move_s: float = 5.0
     long_move_factor: float = 20.0
+    gyr_range_radps: float = 1e3
     zero_rate: bool = True
     initial_gyr_mean: bool = True
     gyr_bias_prior_sd_radps: float = 0.5 * _DEG
@@ -92,7 +94,7 @@ class NavigationSettings:
         check_limits(self, {**sizes, **strides, "upright_rad": (SIZES[0], np.pi)})
 
     @classmethod
-    def for_foot(cls) -> NavigationSettings:
+    def for_foot(cls, *, gyr_range_radps: float = 1e3) -> NavigationSettings:
         """Settings for a sensor on a foot instead of a frame.
 
         A foot that stands still turns and slides a little, and the floor hits it at each step; a
@@ -100,21 +102,29 @@ class NavigationSettings:
         by millimetres per second; larger noise factors for what 200 samples per second leave of the
         hits. The gyroscope's offset is assumed to be as small as a data sheet says (0.25 deg/s,
         LORD 3DM-GX3-25), since a person who waits at the start sways by more;
-        :func:`mobility_imu.walker.estimate_trajectory` takes off a larger one that longer rests
-        show. The sizes were chosen on half of 28 public walks with motion capture and given rests.
+        ``estimate_trajectory`` takes off a larger one that longer rests
+        show. The sizes were chosen on 28 public walks with motion capture and given rests.
+
+        A foot swings faster than many gyroscopes can read. Where the readings end is to be given:
+        what is cut off there costs more than all noise.
+
+        Parameters
+        ----------
+        gyr_range_radps : rad/s, largest rate that the gyroscope reads right
 
         Returns
         -------
         NavigationSettings
         """
         return cls(
-            gyr_noise_factor=40.0,
+            gyr_noise_factor=60.0,
             acc_noise_factor=40.0,
             acc_bias_sd_mps2=0.1,
-            velocity_noise_mps_sqrthz=0.003,
+            velocity_noise_mps_sqrthz=0.002,
             height_noise_m_sqrthz=0.01,
             upright_rad=1.0,
             long_move_factor=2.0,
+            gyr_range_radps=gyr_range_radps,
             zero_rate=False,
             initial_gyr_mean=False,
             gyr_bias_prior_sd_radps=0.25 * _DEG,

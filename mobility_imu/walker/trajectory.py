@@ -98,7 +98,7 @@ class Trajectory(Result):
 
     @property
     def horizontal_sd_m(self) -> FloatArray:
-        """Standard deviation of the place on the floor, m: root of the sum over both axes."""
+        """Standard deviation of the place on the floor in m, root of the sum over both axes."""
         return np.asarray(np.hypot(self.position_sd_m[:, 0], self.position_sd_m[:, 1]))
 
     def to_frame(self) -> pd.DataFrame:

@@ -33,6 +33,7 @@ from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelPair
 from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.saturation import saturated_gyroscopes, saturation_warnings
 
 __all__ = [
     "AlignmentAngles",
@@ -258,6 +259,12 @@ def calibrate_mount(
         if take_off_offsets
         else ()
     )
+    wheels = [
+        f"{side}_wheel"
+        for side in present
+        if straight.sensors[f"{side}_wheel"].gyr_radps is not None
+    ]
+    warnings += saturation_warnings(straight, saturated_gyroscopes(straight, wheels))
     whole = without_offsets(straight, offsets)
     straight, refusal, part_used = _straightest(whole, up, present or SIDES)
     axles = {side: _axle(straight, side, None if refusal else up) for side in present or SIDES}
@@ -419,7 +426,6 @@ def _forward(
     sigma = ACCELERATION_SMOOTHING_S * fs
     spin_up = ndimage.gaussian_filter1d(wheel_rate, sigma, order=1) * fs
     acc = _smooth(straight.sensor("frame").acc_mps2, fs)
-    spin_up = spin_up - spin_up.mean()
     if turns:
         side = _smooth(wheel_rate * (straight.gyroscope("frame") @ up), fs)
         side = side - side.mean()

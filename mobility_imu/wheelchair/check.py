@@ -20,6 +20,7 @@ from scipy import ndimage
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
+from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.offsets import (
     GyroscopeOffset,
@@ -32,6 +33,11 @@ from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.saturation import (
+    saturated_gyroscopes,
+    saturation_warnings,
+    usable_samples,
+)
 
 __all__ = ["GeometryCheck", "check_geometry"]
 
@@ -85,7 +91,8 @@ class GeometryCheck(Result):
     Parameters
     ----------
     residual_radps : rad/s, root mean square of the wheels' yaw rate less the frame's
-    correlation : of the two yaw rates; NaN if one of them does not change
+    correlation : of the two yaw rates; NaN if one of them does not change. Here and in what
+        follows samples are left out in which a gyroscope is at the end of its range
     gain : factor on the frame's yaw rate that fits the wheels' best
     lag_s : s by which the wheels come after the frame
     turned_rad : rad turned in all, to either side, while turning faster than 0.3 rad/s
@@ -163,7 +170,12 @@ def check_geometry(
     names = ("frame", *(f"{side}_wheel" for side in SIDES))
     merged = merge_offsets(rest_offsets(recording, names), dict(offsets or {}))
     found = {name: merged[name] for name in names if name in merged}
-    warnings = offset_warnings(recording, found, names)
+    saturated = saturated_gyroscopes(recording, names)
+    warnings = (
+        *offset_warnings(recording, found, names),
+        *saturation_warnings(recording, saturated),
+    )
+    usable = usable_samples(len(recording), saturated)
     recording = without_offsets(recording, found)
     yaw = mount.frame(recording.gyroscope("frame"))[:, 2]
     wheels = [mount.wheel(side, recording.gyroscope(f"{side}_wheel")) for side in SIDES]
@@ -171,9 +183,9 @@ def check_geometry(
         radius * rate[:, 2] for radius, rate in zip(geometry.wheel_radius_m, wheels, strict=True)
     )
     agreement = _agreement(
-        yaw, (right - left) / geometry.wheel_centre_distance_m, recording.sampling_rate_hz
+        yaw, (right - left) / geometry.wheel_centre_distance_m, recording.sampling_rate_hz, usable
     )
-    parts = _Parts(recording, yaw, wheels[0], wheels[1], (left + right) / 2, right - left)
+    parts = _Parts(recording, yaw, wheels[0], wheels[1], (left + right) / 2, right - left, usable)
     verdict = _verdict(parts, geometry, mount, found, agreement)
     return GeometryCheck(
         **agreement,
@@ -184,7 +196,10 @@ def check_geometry(
 
 
 class _Parts(NamedTuple):
-    """Yaw rate, rates of both wheels in their frames, their mean speed and its difference."""
+    """Yaw rate, rates of both wheels in their frames, their mean speed and its difference.
+
+    Samples with a gyroscope at the end of its range are not usable.
+    """
 
     recording: Recording
     yaw: FloatArray
@@ -192,18 +207,23 @@ class _Parts(NamedTuple):
     right: FloatArray
     speed: FloatArray
     apart: FloatArray
+    usable: NDArray[np.bool_]
 
 
-def _agreement(yaw: FloatArray, wheels: FloatArray, fs: float) -> dict[str, Any]:
+def _agreement(
+    yaw: FloatArray, wheels: FloatArray, fs: float, usable: NDArray[np.bool_]
+) -> dict[str, Any]:
     """Fields of GeometryCheck that compare the two yaw rates, with no geometry fitted."""
-    steady = ndimage.uniform_filter1d(yaw, max(1, round(STEADY_S * fs)))
+    steady = ndimage.uniform_filter1d(yaw, max(1, round(STEADY_S * fs)))[usable]
     steady = steady[np.abs(steady) > SLOWEST_TURN_RADPS]
-    moves = yaw.std() > 0 and wheels.std() > 0
+    lag = _lag(yaw * usable, wheels * usable, fs)
+    yaw, wheels = yaw[usable], wheels[usable]
+    moves = len(yaw) > 0 and yaw.std() > 0 and wheels.std() > 0
     return {
-        "residual_radps": float(np.sqrt(np.mean(np.square(wheels - yaw)))),
+        "residual_radps": rms(wheels - yaw) if len(yaw) else float("nan"),
         "correlation": float(np.corrcoef(yaw, wheels)[0, 1]) if moves else float("nan"),
         "gain": float(wheels @ yaw / (yaw @ yaw)) if yaw.any() else float("nan"),
-        "lag_s": _lag(yaw, wheels, fs) if moves else float("nan"),
+        "lag_s": lag if moves else float("nan"),
         "turned_rad": float(np.abs(steady).sum() / fs),
     }
 
@@ -233,7 +253,7 @@ def _verdict(
     agreement: Mapping[str, float],
 ) -> dict[str, Any]:
     """Fields of GeometryCheck on track, radii and camber; only a sentence without enough turns."""
-    turning = np.abs(parts.yaw) > SLOWEST_TURN_RADPS
+    turning = parts.usable & (np.abs(parts.yaw) > SLOWEST_TURN_RADPS)
     if agreement["turned_rad"] < LEAST_TURNED_RAD:
         turned = np.rad2deg(agreement["turned_rad"])
         sentences = [
@@ -292,7 +312,7 @@ def _distances(
 ) -> tuple[float, float, float, float]:
     """Distance of the wheel centres and mismatch of the radii, each with its standard deviation."""
     recording, yaw, speed = parts.recording, parts.yaw, parts.speed
-    moving = turning | (np.abs(speed) > 0.2)
+    moving = turning | (parts.usable & (np.abs(speed) > 0.2))
     design = np.column_stack([yaw, speed, np.ones(len(yaw))])[moving]
     sizes = np.linalg.svd(design, compute_uv=False)
     if sizes[2] <= SMALLEST_INDEPENDENT_PART * sizes[0]:
@@ -326,11 +346,17 @@ def _distances(
 def _known(
     found: FloatArray, covariance: FloatArray, place: int, sd: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Fit and covariance when one of the unknowns is known to be zero to a standard deviation."""
-    gain = covariance[:, place] / (covariance[place, place] + sd**2)
+    """Fit and covariance when one of the unknowns is known to be zero to a standard deviation.
+
+    Where the fit contradicts what is known, the model lacks something: the covariance is multiplied
+    by the square of the contradiction in standard deviations (Birge's ratio).
+    """
+    variance = covariance[place, place] + sd**2
+    gain = covariance[:, place] / variance
+    contradiction = max(1.0, float(found[place] ** 2 / variance))
     return (
         np.asarray(found - gain * found[place]),
-        np.asarray(covariance - np.outer(gain, covariance[place])),
+        np.asarray(covariance - np.outer(gain, covariance[place])) * contradiction,
     )
 
 

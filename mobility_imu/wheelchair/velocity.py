@@ -29,6 +29,11 @@ from mobility_imu.results import Result
 from mobility_imu.wheelchair.calibration import Form
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry, side_sign
 from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.saturation import (
+    saturated_gyroscopes,
+    saturation_warnings,
+    usable_samples,
+)
 from mobility_imu.wheelchair.series import alike
 from mobility_imu.wheelchair.slip import (
     SlipMethod,
@@ -281,12 +286,15 @@ class ChairVelocity(Result):
     yaw_rate_radps : (n,) array, rad/s, from the frame's gyroscope, left positive
     wheel_yaw_rate_radps : (n,) array, rad/s, the same from the wheels: they differ when one slips;
         NaN where only one wheel has a sensor
-    slip : (n,) bool array, True where the two yaw rates differ too much and for too long
+    slip : (n,) bool array, True where the two yaw rates differ too much and for too long; False
+        where a gyroscope is at the end of its range, which tells nothing
     linear_velocity_sd_mps : (n,) array, m/s, standard deviation of the speed: noise, offsets and
         scale of the gyroscopes, radii, axles, timing, rocking; with two wheels their disagreement
         with the frame, with one wheel track and camber. Sizes: ``settings.assumed``. A slip of
-        both wheels alike, or of the only one, is not seen and not contained
-    yaw_rate_sd_radps : (n,) array, rad/s, standard deviation of the frame's yaw rate
+        both wheels alike, or of the only one, is not seen and not contained. Infinite where a
+        gyroscope that is needed is at the end of its range
+    yaw_rate_sd_radps : (n,) array, rad/s, standard deviation of the frame's yaw rate, infinite
+        likewise
     offsets : sensor to GyroscopeOffset that was taken off; empty if none was
     settings : VelocitySettings that were used
     warnings : sentences on what limits the result; empty if nothing does
@@ -433,13 +441,14 @@ def _one_recording(
 ) -> ChairVelocity:
     present = [side for side in SIDES if f"{side}_wheel" in recording.sensors]
     names = ["frame", *(f"{side}_wheel" for side in present or SIDES)]
-    warnings: tuple[str, ...] = ()
+    saturated = saturated_gyroscopes(recording, _with_gyroscope(recording, names))
+    warnings = saturation_warnings(recording, saturated)
     if settings.form == "printed" or not settings.take_off_offsets:
         offsets = {}
     else:
         found = merge_offsets(rest_offsets(recording, names), offsets)
         offsets = {name: found[name] for name in names if name in found}
-        warnings = offset_warnings(recording, offsets, names)
+        warnings = (*offset_warnings(recording, offsets, names), *warnings)
         recording = without_offsets(recording, offsets)
     try:
         rates = {"frame": mount.frame(recording.gyroscope("frame"))} | {
@@ -450,8 +459,9 @@ def _one_recording(
         where = "" if recording.source in str(error) else f"{recording.source}: "
         raise InputError(f"{where}{error}") from None
     both = len(present) == 2
+    needed = names[1:] if both else names
     velocity, wheel_yaw, slip = (_from_two_wheels if both else _from_one_wheel)(
-        recording, geometry, mount, rates, settings
+        recording, geometry, mount, rates, settings, usable_samples(len(recording), saturated)
     )
     yaw_rate = rates["frame"][:, 2]
     sd = speed_uncertainty(
@@ -475,12 +485,26 @@ def _one_recording(
         yaw_rate_radps=yaw_rate,
         wheel_yaw_rate_radps=wheel_yaw,
         slip=slip,
-        linear_velocity_sd_mps=sd.linear_velocity_sd_mps,
-        yaw_rate_sd_radps=sd.yaw_rate_sd_radps,
+        linear_velocity_sd_mps=_unknown_where(sd.linear_velocity_sd_mps, saturated, needed),
+        yaw_rate_sd_radps=_unknown_where(sd.yaw_rate_sd_radps, saturated, ["frame"]),
         offsets=dict(offsets),
         settings=settings,
         warnings=warnings,
     )
+
+
+def _unknown_where(
+    sd: FloatArray, saturated: Mapping[str, NDArray[np.bool_]], needed: Sequence[str]
+) -> FloatArray:
+    """Standard deviation, infinite where a sensor that it comes from is at its limit."""
+    flags = {name: saturated[name] for name in needed if name in saturated}
+    return np.where(usable_samples(len(sd), flags), sd, np.inf)
+
+
+def _with_gyroscope(recording: Recording, names: Sequence[str]) -> list[str]:
+    """Sensors of the recording that can be looked at; what is missing is refused later."""
+    sensors = recording.sensors
+    return [n for n in names if n in sensors and sensors[n].gyr_radps is not None]
 
 
 def _from_two_wheels(
@@ -489,6 +513,7 @@ def _from_two_wheels(
     mount: WheelchairMount,
     rates: Mapping[str, FloatArray],
     settings: VelocitySettings,
+    usable: NDArray[np.bool_],
 ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
     """Speed, wheels' yaw rate and slip."""
     yaw_rate = rates["frame"][:, 2]
@@ -509,7 +534,7 @@ def _from_two_wheels(
     wheel_yaw = wheel_yaw_rate(left, right, geometry, distance_m=distance)
     _refuse_swapped_wheels(recording, yaw_rate, wheel_yaw)
     fs = recording.sampling_rate_hz
-    windows = detect_slip(yaw_rate, wheel_yaw, fs, settings.slip)
+    windows = detect_slip(yaw_rate, np.where(usable, wheel_yaw, yaw_rate), fs, settings.slip)
     if settings.slip_correction:
         velocity = correct_slip(
             velocity,
@@ -529,8 +554,10 @@ def _from_one_wheel(
     mount: WheelchairMount,
     rates: Mapping[str, FloatArray],
     settings: VelocitySettings,
+    usable: NDArray[np.bool_],
 ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """Speed; there is no yaw rate of the wheels, and no slip can be seen."""
+    """Speed; there is no yaw rate of the wheels, and no slip can be seen, usable or not."""
+    del usable
     (side,) = (side for side in SIDES if f"{side}_wheel" in rates)
     if settings.form == "printed":
         raise InputError(

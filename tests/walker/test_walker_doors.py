@@ -51,7 +51,13 @@ from mobility_imu.walker.tilt_equations import (
     tilt_displacement,
     tilt_quaternion,
 )
-from mobility_imu.walker.trajectory import trajectory_from_path, walking_displacement
+from mobility_imu.walker.trajectory import (
+    _standard_deviations,
+    _without_rest,
+    body_position,
+    trajectory_from_path,
+    walking_displacement,
+)
 from mobility_imu.walker.walking_tests import path_at, time_at
 
 MOUNT = pose_mount("1")
@@ -457,3 +463,33 @@ def test_rests_that_contradict_the_filter_are_told_one_by_one_or_all(worst, says
     if worst == 1:
         when = float(said.rpartition("most at ")[2].partition(" s")[0])
         assert path.time_s[rests[2].start] <= when + 0.05 and when <= path.time_s[rests[2].stop - 1]
+
+
+def test_only_moves_longer_than_the_longest_are_told():
+    """The clock counts, not its size: a walk that begins at an hour is none longer."""
+    path, _ = navigate_recording(walked().recording)
+    found = trajectory_from_path(path, pose_mount("1"))
+    assert _without_rest(found) == ()
+    late = replace(found, time_s=found.time_s + 3600.0)
+    assert _without_rest(late) == ()
+    moves = [
+        found.time_s[move.stop - 1] - found.time_s[move.start] for move in runs_of(~path.still)
+    ]
+    short = replace(found.settings, longest_move_s=0.9 * max(moves))
+    (said,) = _without_rest(replace(late, settings=short))
+    assert f"no rest for more than {short.longest_move_s:g} s" in said
+
+
+def test_uncertainty_turns_with_the_axes_of_the_start():
+    """The same path and covariance seen along axes turned by 30 deg: C' = R C R'."""
+    path, _ = navigate_recording(walked().recording)
+    bare = replace(pose_mount("1"), translation_sd_m=None, rotation_sd_rad=None)
+    place, attitude = body_position(path.position_m, path.quaternion, bare)
+    none = np.zeros_like(place)
+    turn = Rotation.from_euler("z", 30, degrees=True).as_matrix()
+    sd, _ = _standard_deviations(path, bare, turn, none, attitude)
+    for k in range(0, len(path.still), 500):
+        (x, y), xy = path.sd[k, 6:8] ** 2, path.xy_covariance_m2[k]
+        expected = turn[:2, :2] @ np.array([[x, xy], [xy, y]]) @ turn[:2, :2].T
+        assert np.allclose(sd[k, :2] ** 2, np.diag(expected))
+    assert (np.abs(path.xy_covariance_m2) > 0).any()

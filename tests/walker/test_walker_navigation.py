@@ -319,11 +319,21 @@ def test_readable_filter_equals_the_compiled_one(walked, variant, monkeypatch):
     time, acc, gyr, still = time[kept], acc[kept], gyr[kept], still[kept]
     cut = np.zeros(len(time), bool)
     cut[[700, 1800, 2500]] = True
+    fast = np.roll(cut, 3)
     found = []
     for way in ("plain", "compiled"):
         monkeypatch.setattr(navigation, "choose", lambda *_, way=way, **__: way)
         found.append(
-            navigate(time, acc, gyr, still, NavigationSettings(**chosen), cut=cut, **options)
+            navigate(
+                time,
+                acc,
+                gyr,
+                still,
+                NavigationSettings(**chosen),
+                cut=cut,
+                cut_gyr=fast,
+                **options,
+            )
         )
     readable, compiled = found
     for name in ("quaternion", "position_m", "velocity_mps", "gyr_bias_radps", "acc_bias_mps2"):

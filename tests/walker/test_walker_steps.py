@@ -187,6 +187,8 @@ def test_a_move_of_twice_the_usual_length_may_be_two_steps():
     steps = find_steps(replace(trajectory, stationary=still))
     assert len(steps) == 5 and 2 < steps.swing_s.max() < 3
     assert any("moves too long for one step: 1, up to 2.8 s" in said for said in steps.warnings)
+    still[230:300] = True  # a third longer than the others: one step
+    assert not find_steps(replace(trajectory, stationary=still)).warnings
     assert not find_steps(trajectory).warnings
 
 
@@ -231,6 +233,8 @@ def test_summary_of_a_drawn_square():
     summary = walking_summary(find_steps(trajectory))
     assert np.linalg.norm(trajectory.position_m[-1]) < 1e-12 and np.isclose(summary.path_m, 8.0)
     assert summary.step_count == 24 and np.isclose(summary.cadence_per_min, 30)
+    steps = find_steps(trajectory)
+    assert np.isclose(summary.mean_speed_mps, 8.0 / (steps.place_s[23] - steps.lift_s[0]))
     assert np.isclose(summary.step_length_mean_m, 0.5) and summary.step_length_cv < 1e-12
     assert np.allclose(summary.turns.angle_rad, np.pi / 2) and len(summary.turns.angle_rad) == 4
     table = summary.to_frame()

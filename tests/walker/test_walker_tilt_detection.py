@@ -21,7 +21,7 @@ from mobility_imu.walker import (
     calibrate_mount,
 )
 from mobility_imu.walker.follow import navigate_recording
-from mobility_imu.walker.tilt_detection import find_tilts
+from mobility_imu.walker.tilt_detection import _end_of_movement, find_tilts
 
 
 def test_recording_that_ends_in_a_tilt():
@@ -135,3 +135,14 @@ def test_tilt_across_a_corner_is_refused():
     mixed = np.where(inside[:, None], turned.as_quat(scalar_first=True), path.quaternion)
     with pytest.raises(InputError, match=r"(39|40|41) deg off"):
         find_tilts(changed(path, quaternion=mixed))
+
+
+def test_a_movement_ends_in_the_middle_of_what_is_held_at_the_top():
+    """Still at the foot, half way up (as hands change) and at the top: only the top counts."""
+    up = np.r_[np.zeros(20), np.linspace(0, 0.3, 30), np.full(40, 0.3)]
+    lean = np.r_[up, np.linspace(0.3, 0.6, 30), np.full(51, 0.6), np.linspace(0.6, 0, 60)]
+    still = np.zeros(len(lean), bool)
+    still[:20] = still[50:90] = still[120:171] = True
+    assert _end_of_movement(lean, still, slice(0, len(lean))) == 145
+    lean[170] = 0.61  # nothing held: the largest angle
+    assert _end_of_movement(lean, np.zeros(len(lean), bool), slice(10, len(lean))) == 170

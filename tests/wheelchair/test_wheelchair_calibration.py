@@ -1,6 +1,7 @@
 """Wheelchair: realignment of the sensors (equations 1.1 to 1.15), and trials that do not serve."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -37,6 +38,7 @@ from mobility_imu.wheelchair import (
     estimate_velocity,
 )
 from mobility_imu.wheelchair.calibration import (
+    _axle,
     alignment_matrix,
     axle_direction,
     frame_alignment_angles,
@@ -237,3 +239,43 @@ def test_an_axle_needs_a_wheel_that_turns_forward(gyr, message):
 def test_realign_takes_rotations_only():
     with pytest.raises(InputError, match="rotation_aligned_to_imu: a mirror"):
         realign(np.ones((2, 3)), np.diag([1.0, 1, -1]))
+
+
+def drive(legs, seed=8):
+    return trials(SAMPLE_CHAIR, seed, legs, noise=LIKE_SAMPLE)[2].recording
+
+
+@pytest.mark.parametrize(("turning_s", "works"), [(2.0, True), (30.0, False)])
+def test_a_trial_that_turns_gives_its_straightest_part_if_that_is_long(turning_s, works):
+    """4.8 m of straight line, then a circle: 1.6 m of it are fine, 27 m are too much."""
+    static = trials(SAMPLE_CHAIR, 8, noise=LIKE_SAMPLE)[0].recording
+    legs = (Leg(1, 2.0), Leg(2, 4.0, 1.2), Leg(6, turning_s, 1.0, 60.0), Leg(1, 1.0))
+    if works:
+        found = calibrate_mount(static, drive(legs))
+        begin, end = re.search(r"part is used, (.*) to (.*) s", found.warnings[0]).groups()
+        assert float(begin) < 2.1 and 5.9 < float(end) < 8.5
+    else:
+        with pytest.raises(InputError, match=r"heading changes by|the chair turned"):
+            calibrate_mount(static, drive(legs))
+
+
+def test_what_the_frame_turns_by_is_no_loose_sensor():
+    """The wheel's axle swings by 20 deg/s with the frame, or the sensor alone does."""
+    _, straight, _ = trials(SAMPLE_CHAIR, 8, noise=LIKE_SAMPLE)
+    recording = straight.recording
+    gyr, up = recording.gyroscope("left_wheel"), np.array([0.0, 0.0, 1.0])
+    axle, _ = axle_direction(gyr)
+    across = np.cross(axle, [0.3, 0.5, 0.8])
+    across /= np.linalg.norm(across)
+    fast = np.abs(gyr @ axle) > 1.0
+    wobble = 0.35 * np.abs(gyr @ axle).max() * np.sin(9 * recording.time_s) * fast
+    sensors = dict(recording.sensors)
+    sensors["left_wheel"] = Imu(sensors["left_wheel"].acc_mps2, gyr + np.outer(wobble, across))
+    loose = Recording(recording.time_s, sensors, source="loose")
+    with pytest.raises(InputError, match="the chair turned, or the sensor is loose"):
+        _axle(loose, "left", up)
+    frame = recording.gyroscope("frame")
+    sensors["frame"] = Imu(sensors["frame"].acc_mps2, frame + np.outer(wobble, up))
+    with_frame = Recording(recording.time_s, sensors, source="rough")
+    direction, fraction = _axle(with_frame, "left", up)
+    assert fraction > 0.2 and direction @ axle > 0.999

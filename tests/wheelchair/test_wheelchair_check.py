@@ -11,9 +11,9 @@ from scipy import stats
 
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation.sensor import MTI_1
-from mobility_imu.simulation.wheelchair import random_court
-from mobility_imu.wheelchair import calibrate_mount, check_geometry
-from mobility_imu.wheelchair.check import _fit, _gain_sd
+from mobility_imu.simulation.wheelchair import LIKE_SAMPLE, Leg, random_court
+from mobility_imu.wheelchair import SAMPLE_CHAIR, calibrate_mount, check_geometry
+from mobility_imu.wheelchair.check import _camber, _fit, _gain_sd, _lag
 
 
 def rms(ratios):
@@ -122,3 +122,76 @@ def test_a_wheel_that_seems_to_stand_is_no_question_of_radii():
     found = check_geometry(Recording(drive.recording.time_s, sensors), CHAIRS[1], mount)
     assert not any("radius over" in text for text in found.warnings)
     assert any("sensor failed" in text for text in found.warnings), found
+
+
+def turns(seed=3, legs=BOTH_WAYS):
+    static, straight, drive = trials(SAMPLE_CHAIR, seed, legs, noise=LIKE_SAMPLE)
+    return drive.recording, calibrate_mount(static.recording, straight.recording).mount
+
+
+@pytest.mark.parametrize("late", [-8, -3, 0, 5, 9])
+def test_the_lag_of_the_wheels_is_found(late):
+    """Wheels whose samples come some hundredths of a second after the frame's, or before."""
+    recording, mount = turns()
+    sensors = {
+        name: imu if name == "frame" else Imu(*(np.roll(v, late, axis=0) for v in (imu.acc_mps2, imu.gyr_radps)))  # noqa: E501
+        for name, imu in recording.sensors.items()
+    }  # fmt: skip
+    found = check_geometry(Recording(recording.time_s, sensors), SAMPLE_CHAIR, mount)
+    assert found.lag_s == pytest.approx(late / 100, abs=0.003)
+
+
+def test_a_lag_needs_some_samples():
+    assert np.isnan(_lag(np.arange(3.0), np.arange(3.0), 100.0))
+    assert np.isfinite(_lag(np.array([0.0, 1, 0, 0, 0, 0]), np.array([0.0, 1, 0, 0, 0, 0]), 100.0))
+
+
+def test_a_gain_of_each_side_needs_a_second_of_turning():
+    """1.6 s of turning to the right are enough, 0.9 s are not."""
+    for seconds, known in ((1.6, True), (0.9, False)):
+        legs = (
+            Leg(1, 1.0), Leg(2, 2.0, 1.2), Leg(4, 6.0, 0.0, 70.0),
+            Leg(4, seconds, 0.0, -70.0), Leg(3, 2.0, -1.0), Leg(1, 1.0),
+        )  # fmt: skip
+        found = check_geometry(*reversed_(turns(legs=legs)))
+        assert found.judged and np.isfinite(found.yaw_gain_left)
+        assert np.isfinite(found.yaw_gain_right) == known
+
+
+def reversed_(pair):
+    recording, mount = pair
+    return recording, SAMPLE_CHAIR, mount
+
+
+def test_wheels_that_disagree_make_the_camber_uncertain():
+    """Cosines of 0.96 and 0.92: the difference of their scale is in the standard deviation."""
+    yaw = np.linspace(0.5, 2.0, 200)
+    turning = np.ones(200, bool)
+
+    def rates(cosine):
+        return np.column_stack([cosine * yaw, 0 * yaw, 0 * yaw])
+
+    same, sd_same = _camber(rates(0.94), rates(0.94), yaw, turning, 0.002)
+    other, sd_other = _camber(rates(0.96), rates(0.92), yaw, turning, 0.002)
+    assert same == pytest.approx(np.arccos(0.94)) and other == pytest.approx(same)
+    spread = np.hypot(0.02, 0.002)
+    assert sd_other == pytest.approx(spread / max(np.sin(other), np.sqrt(2 * spread)))
+    assert sd_other > 2 * sd_same
+
+
+def test_an_offset_that_contradicts_the_rest_widens_the_uncertainty():
+    """A wheel's gyroscope reads 3 deg/s more as soon as it moves: the rests do not show it."""
+    court = random_court(7, slips=0)
+    static, straight = court.calibration_trials(MTI_1)
+    cal = calibrate_mount(static.recording, straight.recording)
+    drive = court.drive(MTI_1)
+    before = check_geometry(drive.recording, court.geometry, cal.mount, offsets=cal.offsets)
+    wheel = drive.recording.sensors["left_wheel"]
+    moving = (np.abs(drive.linear_velocity_mps) > 0.02) | (np.abs(drive.yaw_rate_radps) > 0.02)
+    axle = cal.mount.rotation_imu_to_wheel("left")[2]
+    gyr = wheel.gyr_radps + np.deg2rad(3.0) * moving[:, None] * axle
+    sensors = {**drive.recording.sensors, "left_wheel": Imu(wheel.acc_mps2, gyr)}
+    changed = Recording(drive.recording.time_s, sensors)
+    after = check_geometry(changed, court.geometry, cal.mount, offsets=cal.offsets)
+    assert after.track_sd_m > 1.5 * before.track_sd_m
+    assert abs(after.track_m - court.geometry.track_m) < 3 * after.track_sd_m

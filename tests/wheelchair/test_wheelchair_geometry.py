@@ -15,7 +15,7 @@ from mobility_imu.wheelchair import (
     SAMPLE_CHAIR,
     WheelchairGeometry,
 )
-from mobility_imu.wheelchair.geometry import side_sign
+from mobility_imu.wheelchair.geometry import DOCUMENT_TO_CHAIR, side_sign
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
@@ -156,3 +156,19 @@ def test_roll_out_lengths_are_checked(length):
         WheelchairGeometry.from_circumference(
             0, wheel_circumference_left_m=2.0, wheel_circumference_right_m=length, track_m=0.8
         )
+
+
+def test_wheel_centres_too_close_for_a_chair_are_refused():
+    """With 20 deg of camber the centres are 0.205 m closer than the tracks of the tyres."""
+    for track, fits in ((0.50, True), (0.44, True), (0.38, False)):
+        sizes = {"wheel_radius_left_m": 0.3, "wheel_radius_right_m": 0.3, "track_m": track}
+        if fits:
+            WheelchairGeometry(np.deg2rad(20), **sizes)
+        else:
+            with pytest.raises(InputError, match="track_m"):
+                WheelchairGeometry(np.deg2rad(20), **sizes)
+
+
+def test_the_documents_axes_cannot_be_changed():
+    with pytest.raises(ValueError, match="read-only"):
+        DOCUMENT_TO_CHAIR[0, 0] = 2.0

@@ -21,6 +21,7 @@ from mobility_imu.wheelchair import (
     calibrate_mount,
     estimate_velocity,
 )
+from mobility_imu.wheelchair.uncertainty import wheel_yaw_standard_deviation
 
 ASSUMED = AssumedErrors()
 
@@ -104,3 +105,16 @@ def test_a_slipping_wheel_widens_the_standard_deviation():
     error = np.abs(after.linear_velocity_mps - before.linear_velocity_mps)[slipping]
     assert error.max() > 0.1
     assert (error < 2 * after.linear_velocity_sd_mps[slipping]).mean() > 0.95
+
+
+def test_radii_of_a_turn_on_the_spot_and_of_a_straight_line():
+    """Turning on the spot at w each wheel rolls at w d / 2: errors of 1 mm in both radii meet."""
+    radius, distance = SAMPLE_CHAIR.wheel_radius_m, SAMPLE_CHAIR.wheel_centre_distance_m
+    only_radii = {"gyr_sd_radps": 0.0, "radius_sd_m": 0.001, "distance_sd_m": 0.0}
+    (spin,) = wheel_yaw_standard_deviation([2.0], [0.0], SAMPLE_CHAIR, **only_radii)
+    assert spin == pytest.approx(0.001 * np.hypot(1 / radius.left, 1 / radius.right))
+    (line,) = wheel_yaw_standard_deviation([0.0], [1.0], SAMPLE_CHAIR, **only_radii)
+    assert line == pytest.approx(0.001 * np.hypot(1 / radius.left, 1 / radius.right) / distance)
+    # On a left turn about the left wheel only the right one rolls.
+    (pivot,) = wheel_yaw_standard_deviation([1.0], [distance / 2], SAMPLE_CHAIR, **only_radii)
+    assert pivot == pytest.approx(0.001 / radius.right)

@@ -17,6 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mobility_imu.errors import InputError
+from mobility_imu.recording import Recording
 from mobility_imu.reproduction.wheelchair.facing import facing_mounting
 from mobility_imu.reproduction.wheelchair.printed import (
     gyroscope_outward,
@@ -280,3 +281,41 @@ def test_one_wheel_of_no_side_is_refused():
         single_wheel_velocity(np.ones(3), np.ones(3), SAMPLE_CHAIR, side="middle")
     with pytest.raises(InputError, match="side = 'middle'"):
         wheel_spin_rate_printed(np.ones((3, 3)), 0.3, side="middle")
+
+
+def test_settings_that_go_together_and_one_pair_that_does_not():
+    for form in ("corrected", "printed"):
+        for correct in (True, False):
+            for method in ("wheels", "tool"):
+                settings = {"form": form, "slip_correction": correct, "slip_method": method}
+                if form == "printed" and correct and method == "wheels":
+                    with pytest.raises(InputError, match="slip_method = 'wheels'"):
+                        VelocitySettings(**settings)
+                else:
+                    assert VelocitySettings(**settings).form == form
+
+
+def test_the_rate_of_a_velocity_is_that_of_its_clock():
+    found = calibrated_velocity()
+    assert found.sampling_rate_hz == 100.0
+    late = replace(found, time_s=found.time_s + 17.3)
+    assert late.sampling_rate_hz == 100.0
+
+
+def test_a_recording_without_wheels_names_them():
+    static, straight, drive = trials(SAMPLE_CHAIR, 3)
+    mount = calibrate_mount(static.recording, straight.recording).mount
+    recording = drive.recording
+    only = Recording(recording.time_s, {"frame": recording.sensors["frame"]}, source="d.csv")
+    with pytest.raises(InputError, match="left_wheel"):
+        estimate_velocity(only, SAMPLE_CHAIR, mount)
+    for side in ("left", "right"):
+        names = ("frame", f"{side}_wheel")
+        one = Recording(recording.time_s, {name: recording.sensors[name] for name in names})
+        assert len(estimate_velocity(one, SAMPLE_CHAIR, mount)) == len(recording)
+
+
+def calibrated_velocity():
+    static, straight, drive = trials(SAMPLE_CHAIR, 3)
+    mount = calibrate_mount(static.recording, straight.recording).mount
+    return estimate_velocity(drive.recording, SAMPLE_CHAIR, mount)

@@ -52,7 +52,7 @@ def simulate_parked(
         :data:`PARKED_POSES_DEG`
     pitch_rad, bank_rad : rad, nose up and right side up
     seed : of the noise, and of how far the real stops are from what is believed
-    geometry, unit, sensor : as in :func:`simulate_ride`
+    geometry, unit, sensor : as in ``simulate_ride``
     stop_sd_rad : rad, that error; one for each different steering and throttle angle
     sampling_rate_hz : Hz
 

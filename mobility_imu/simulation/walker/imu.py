@@ -36,7 +36,7 @@ class SimulatedWalker(Result):
     position_imu_m : (n, 3) array, m, in the world
     velocity_imu_mps : (n, 3) array, m/s, in the world
     rotation_imu_to_world : (n, 3, 3) array
-    stationary : (n,) bool array, as in :class:`WalkerMotion`
+    stationary : (n,) bool array, as in ``WalkerMotion``
     """
 
     recording: Recording

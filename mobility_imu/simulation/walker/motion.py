@@ -51,7 +51,7 @@ class Imperfections:
         out; it stays turned
     ferrule_edge_m : m, the edge that the frame turns about lies this far outside the line through
         the legs' axes, since rubber ferrules are wider than the legs
-    tape_m : m, sd of the user's tape measure, see :func:`measured_geometry`
+    tape_m : m, sd of the user's tape measure, see ``measured_geometry``
     hold_tremor_rad : rad, amplitude of the shaking about the edge while the frame is held, 2 to
         8 Hz (sd: amplitude over the root of 2), as if by a force that is white in this band
     rocking_rad : rad, sd of roll and pitch about the body's origin between two steps, near 1 Hz

@@ -116,7 +116,7 @@ def simulate_walk(
     """Walk a course: lift the frame, put it down further on, follow, lift it again.
 
     The frame turns about its body's origin, where the user's heels are; steps that turn do not
-    lead forward. With :data:`PERFECT` the course is kept and its end is met.
+    lead forward. With ``PERFECT`` the course is kept and its end is met.
 
     Parameters
     ----------

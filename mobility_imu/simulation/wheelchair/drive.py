@@ -116,8 +116,8 @@ def simulate_drive(
     geometry : WheelchairGeometry
     mounting : of ``frame``, ``left_wheel``, ``right_wheel``
     seed : for the noise; the same seed gives the same bytes
-    noise : SensorNoise, or :data:`~mobility_imu.simulation.sensor.IDEAL` for none. Other sensor
-        models need samples that are finer than the recording's: see :func:`simulate_court`
+    noise : SensorNoise, or ``IDEAL`` for none. Other sensor
+        models need samples that are finer than the recording's: see ``simulate_court``
     sampling_rate_hz : Hz
     transition_s : s, length of a change
     push_share : speed swings by this fraction of itself with each push, from 0 to below 1

@@ -25,7 +25,7 @@ class Court(Result):
 
     Parameters
     ----------
-    legs, geometry, mounting, slips, toe_rad, pushing : as in :func:`simulate_court`
+    legs, geometry, mounting, slips, toe_rad, pushing : as in ``simulate_court``
     seed : of sensors and noise
     """
 
@@ -44,7 +44,7 @@ class Court(Result):
 
         Parameters
         ----------
-        model, sampling_rate_hz : as in :func:`simulate_court`
+        model, sampling_rate_hz : as in ``simulate_court``
 
         Returns
         -------
@@ -59,7 +59,7 @@ class Court(Result):
 
         Parameters
         ----------
-        model, sampling_rate_hz : as in :func:`simulate_court`
+        model, sampling_rate_hz : as in ``simulate_court``
 
         Returns
         -------
