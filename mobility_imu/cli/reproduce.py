@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, Literal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -16,20 +18,46 @@ def reproduce(
     everything: Annotated[
         bool, typer.Option("--all", help="All rows of the table, not only those that differ.")
     ] = False,
+    real: Annotated[
+        bool,
+        typer.Option(
+            "--real",
+            help="Only what rests on independent real recordings, computed again where they are.",
+        ),
+    ] = False,
 ) -> None:
     """The scorecard: what the works print beside our numbers, with a verdict."""
+    from mobility_imu.reproduction.real_scorecard import print_real, real_records, real_scorecard
+    from mobility_imu.reproduction.scorecard import print_scorecard, scorecard, to_records
+
+    if real:
+        with _progress() as told:
+            found = real_scorecard(work, progress=told)
+        if as_json:
+            _echo_json(real_records(found))
+        else:
+            print_real(found)
+        return
+    with _progress() as told:
+        outcomes = scorecard(work, progress=told)
+    if as_json:
+        _echo_json(to_records(outcomes))
+    else:
+        print_scorecard(outcomes, everything=everything)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None]]:
+    """Bar on standard error; it is told how much is done, and of how much."""
     from rich.console import Console
     from rich.progress import Progress
 
-    from mobility_imu.reproduction.scorecard import print_scorecard, scorecard, to_records
-
-    # Rich draws the bar on a terminal only, so a log file stays clean.
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    # Off a terminal Rich would still end with an empty line.
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("computing", total=None)
-        outcomes = scorecard(
-            work, progress=lambda done, of: bar.update(task, completed=done, total=of)
-        )
-    if as_json:
-        typer.echo(json.dumps(to_records(outcomes), indent=2, ensure_ascii=False))
-    else:
-        print_scorecard(outcomes, everything=everything)
+        yield lambda done, of: bar.update(task, completed=done, total=of)
+
+
+def _echo_json(records: list[dict[str, Any]]) -> None:
+    typer.echo(json.dumps(records, indent=2, ensure_ascii=False))

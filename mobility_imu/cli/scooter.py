@@ -13,14 +13,17 @@ from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
+    from mobility_imu.scooter import PoseCheck
     from mobility_imu.scooter.angles import Form as LibraryForm
 
 Method = Literal["closed-form", "fusion"]
 Form = Literal["three-axis", "printed"]
+Sensors = Literal["consumer", "calibrated"]
 FORMS: dict[Form, LibraryForm] = {"three-axis": "corrected", "printed": "printed"}
 """Name of each form in the library."""
 LARGEST_NOISE_MPS2 = 100.0
 LARGEST_POSE_DEG = 180.0
+LARGEST_SCALE_SD_DEG = 10.0
 
 app = sub_app("Mobility scooter: steering and throttle.")
 
@@ -130,6 +133,97 @@ def calibrate(
     outputs.write({output: found.to_toml().encode()})
     read = f"read: {len(parked)} parked recordings, {len(settings)} poses in each"
     summarize([read, *scooter_mount_lines(found), written_line([output])], quiet)
+
+
+@app.command("check")
+def check(
+    parked: Annotated[
+        Path, typer.Argument(help="Parked recording; the controls rest in one pose after another.")
+    ],
+    poses: Annotated[
+        Path, typer.Option(help="CSV steering_deg,throttle_deg: the angles as set, in order.")
+    ],
+    geometry: Annotated[
+        Path, typer.Option(help="TOML with [scooter]; with [scooter.mount], that is applied.")
+    ],
+    method: Annotated[
+        Method, typer.Option(help="Means over each rest, or the fusion with its own deviations.")
+    ] = "closed-form",
+    sensors: Annotated[
+        Sensors, typer.Option(help="What is assumed of the IMUs: phones, or calibrated by a maker.")
+    ] = "consumer",
+    scale_sd_deg: Annotated[
+        float, typer.Option(help="How well the protractor's zero and centre are set, deg.", min=0.0)
+    ] = 0.5,
+    kept_on: Annotated[
+        bool, typer.Option("--kept-on", help="IMUs were not switched off since the calibration.")
+    ] = False,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Also write the table as CSV.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Whether the angles agree with those that a protractor set.
+
+    Park, set the controls to known angles, hold each pose for two seconds or more. The book's page
+    "Judge your own scooter" has the whole protocol.
+    """
+    import dataclasses
+
+    import numpy as np
+
+    from mobility_imu.cli.summaries import pose_check_lines, read_line, written_line
+    from mobility_imu.readers import read_recording, recording_files
+    from mobility_imu.scooter import (
+        PoseCheckSettings,
+        ScooterGeometry,
+        ScooterMount,
+        check_poses,
+    )
+
+    outputs = Outputs({"--output": output}, (*recording_files(parked), geometry, poses))
+    if not 0 < scale_sd_deg <= LARGEST_SCALE_SD_DEG:
+        raise InputError(
+            f"--scale-sd-deg {scale_sd_deg:g}: expected above 0 and up to {LARGEST_SCALE_SD_DEG:g}"
+        )
+    make = PoseCheckSettings.for_calibrated_imus if sensors == "calibrated" else PoseCheckSettings
+    settings = dataclasses.replace(make(method), scale_sd_rad=float(np.deg2rad(scale_sd_deg)))
+    if kept_on:
+        settings = settings.kept_on()
+    scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
+    set_rad, recording = read_poses(poses), read_recording(parked)
+    found = check_poses(recording, set_rad, scooter, mount, settings)
+    written = []
+    if output is not None:
+        outputs.write({output: csv_bytes(found.to_frame(), output)})
+        written.append(written_line([output]))
+    typer.echo(check_text(found))
+    summarize([read_line(recording), *pose_check_lines(found), *written], quiet)
+
+
+def check_text(found: PoseCheck) -> str:
+    """Lines that ``scooter check`` prints.
+
+    Parameters
+    ----------
+    found : PoseCheck
+
+    Returns
+    -------
+    str
+    """
+    from mobility_imu.cli.summaries import pose_check_lines
+
+    lines = ["pose  control   set, deg  found, deg  difference, deg  sd, deg  inside 95 %"]
+    for row in found.to_frame().itertuples():
+        inside = ("yes" if row.inside_95 else "no") if row.judged else "not judged"
+        lines.append(
+            f"{row.pose:4}  {row.control}  {row.set_deg:8.1f}  {row.found_deg:10.2f}  "
+            f"{row.difference_deg:15.2f}  {row.sd_deg:7.2f}  {inside}"
+        )
+    *rms, verdict = pose_check_lines(found)
+    chi = f"chi-square {found.chi_square:.1f}, about {2 * int(found.judged.sum())} expected"
+    return "\n".join([*lines, *rms, chi, f"- {verdict}", *(f"- {w}" for w in found.warnings)])
 
 
 def read_poses(path: Path) -> list[tuple[float, float]]:

@@ -16,7 +16,7 @@ from mobility_imu.frames import FloatArray
 
 if TYPE_CHECKING:
     from mobility_imu.recording import Recording
-    from mobility_imu.scooter import RideAngles, ScooterCalibration
+    from mobility_imu.scooter import PoseCheck, RideAngles, ScooterCalibration
     from mobility_imu.walker import Steps, Trajectory, WalkerCalibration
     from mobility_imu.wheelchair import ChairVelocity, GeometryCheck, Tasks
 
@@ -92,6 +92,36 @@ def scooter_mount_lines(found: ScooterCalibration) -> list[str]:
         f"{name}'s IMU: {_turn_deg(turn):.2f} deg from its nominal axes, sd at most {most:.2g} deg"
         for name, turn, most in zip(("lever", "body"), turns, sd, strict=True)
     ]
+
+
+VERDICTS = {
+    "agrees": "agrees: the differences are as small as the stated uncertainty lets expect",
+    "differs": "differs: the differences are larger than the stated uncertainty explains",
+    "cannot be judged": "cannot be judged",
+}
+"""What ``scooter check`` says for each verdict."""
+
+
+def pose_check_lines(found: PoseCheck) -> list[str]:
+    """Differences from the protractor's angles, and the verdict.
+
+    Parameters
+    ----------
+    found : PoseCheck
+
+    Returns
+    -------
+    list of str
+    """
+    poses = int(found.judged.sum())
+    counts = found.inside[found.judged].sum(axis=0)
+    lines = [
+        f"{name}: rms {rms:.2f} deg; {count} of {poses} inside their 95 % interval"
+        for name, rms, count in zip(
+            ("steering", "throttle"), np.rad2deg(found.rms_rad), counts, strict=True
+        )
+    ]
+    return [*lines, VERDICTS[found.verdict]]
 
 
 def velocity_lines(found: ChairVelocity) -> list[str]:

@@ -19,6 +19,7 @@ Basis = Literal[
     "published numbers recomputed",
     "computed by geometry alone",
     "computed on the public sample",
+    "tried on independent real recordings",
     "computed on simulated data",
     "not reproducible",
 ]
@@ -26,6 +27,7 @@ BASES: tuple[Basis, ...] = (
     "published numbers recomputed",
     "computed by geometry alone",
     "computed on the public sample",
+    "tried on independent real recordings",
     "computed on simulated data",
     "not reproducible",
 )
@@ -36,6 +38,9 @@ Why = Literal[
     "the text leaves it open",
     "our copy may be at fault",
     "our assumptions do not explain it",
+    "the simulation promised too much",
+    "the stated uncertainty does not hold",
+    "the reference errs more than we state",
 ]
 Verdict = Literal["agrees", "differs", "not reproducible", "needs the sample"]
 VERDICTS: tuple[Verdict, ...] = ("agrees", "differs", "not reproducible", "needs the sample")
@@ -102,6 +107,8 @@ class Claim:
     needs_sample : whether the computation reads the public sample
     copied : whether our number is a setting that we took from the print, so that agreement says
         only that we copied it right
+    simulated : for a row on real recordings, the same measure on our simulated ones; NaN elsewhere
+    simulated_as_real : likewise, with sensors as bad as real recordings show them
     """
 
     work: Work
@@ -126,6 +133,8 @@ class Claim:
     finding: str = ""
     needs_sample: bool = False
     copied: bool = False
+    simulated: float = math.nan
+    simulated_as_real: float = math.nan
 
     def __post_init__(self) -> None:
         """Check that the row says what it compares."""

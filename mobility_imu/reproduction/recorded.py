@@ -59,6 +59,18 @@ STUDIES: dict[str, Study] = {
         "1; each ride's seed is made from scooter, course, driver and run",
         ("scooter_table1.csv",),
     ),
+    "real_two_hinges": Study(
+        "mobility_imu.reproduction.scooter.real_hinges",
+        "two_hinges_record",
+        "none for the recordings; the simulated rides beside them: scooters 0 to 3",
+        reads_recordings=True,
+    ),
+    "real_one_hinge": Study(
+        "mobility_imu.reproduction.scooter.real_hinges",
+        "one_hinge_record",
+        "none for the recordings; the simulated rides beside them: scooters 0 to 3",
+        reads_recordings=True,
+    ),
     "wheelmove_sample": Study(
         "mobility_imu.reproduction.wheelchair.sample_study",
         "study",

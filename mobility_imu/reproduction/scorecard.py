@@ -19,9 +19,12 @@ from mobility_imu.reproduction.claims import (
     check,
 )
 from mobility_imu.reproduction.findings import Kind, findings
+from mobility_imu.reproduction.real_claims import real_claims
 
 if TYPE_CHECKING:
     import pandas as pd
+    from rich.console import Console
+    from rich.table import Table
 
 WORKS: tuple[Work, ...] = get_args(Work)
 NO_RECORDING = (
@@ -95,6 +98,7 @@ def all_claims(work: Work | None = None) -> list[Claim]:
     for name in WORKS:
         if work in (None, name):
             found += importlib.import_module(f"mobility_imu.reproduction.{name}.claims").claims()
+            found += real_claims(name)
     return found
 
 
@@ -134,7 +138,8 @@ def to_records(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
         ``work``, ``where``, ``what``, ``unit``, ``published`` (text, digits as printed), ``source``
         (the cell, or the sentence), ``reference``, ``reference_from``, ``ours``, ``difference``,
         ``tolerance``, ``tolerance_reason``, ``bound``, ``basis``, ``n``, ``verdict``, ``why``,
-        ``trivial``, ``trivial_model``, ``trivial_agrees``, ``experiment``, ``copied``, ``finding``.
+        ``trivial``, ``trivial_model``, ``trivial_agrees``, ``experiment``, ``copied``, ``finding``,
+        ``simulated``, ``simulated_as_real``.
     """
     return [_record(outcome) for outcome in outcomes]
 
@@ -197,6 +202,8 @@ def _record(outcome: Outcome) -> dict[str, Any]:
         "experiment": claim.experiment,
         "copied": claim.copied,
         "finding": claim.finding or None,
+        "simulated": _number(claim.simulated),
+        "simulated_as_real": _number(claim.simulated_as_real),
     }
 
 
@@ -288,13 +295,7 @@ def print_scorecard(outcomes: list[Outcome], *, everything: bool = False) -> Non
     outcomes : what :func:`scorecard` gave
     everything : print all rows, not only those that differ
     """
-    from rich.console import Console
-    from rich.markup import escape
-
-    console = Console()
-    if not console.is_terminal:
-        # In a file or a pipe there is no window to fit into.
-        console = Console(width=200)
+    console = terminal()
     console.print(NO_RECORDING, "\n")
     console.print(_totals_table(outcomes))
     experiments = simulated_experiments(outcomes)
@@ -304,11 +305,25 @@ def print_scorecard(outcomes: list[Outcome], *, everything: bool = False) -> Non
         "agree.\n"
     )
     chosen = [o for o in outcomes if everything or o.verdict == "differs"]
-    console.print(_rows_table(chosen, escape, "All rows" if everything else "Rows that differ"))
+    console.print(row_table(chosen, "All rows" if everything else "Rows that differ"))
     if not everything:
         console.print(
             f"{len(outcomes)} rows in all: --all prints them, --json writes them for a program."
         )
+
+
+def terminal() -> Console:
+    """Console that prints to standard output; in a file or a pipe 200 characters wide.
+
+    Returns
+    -------
+    rich.console.Console
+    """
+    from rich.console import Console
+
+    console = Console()
+    # In a file or a pipe there is no window to fit into.
+    return console if console.is_terminal else Console(width=200)
 
 
 COUNTED_AMONG = (
@@ -338,7 +353,19 @@ def _totals_table(outcomes: list[Outcome]) -> Any:
     return table
 
 
-def _rows_table(outcomes: list[Outcome], escape: Callable[[str], str], title: str) -> Any:
+def row_table(outcomes: Iterable[Outcome], title: str) -> Table:
+    """Rows of the scorecard as a table for the terminal.
+
+    Parameters
+    ----------
+    outcomes : what :func:`scorecard` gave
+    title : of the table
+
+    Returns
+    -------
+    rich.table.Table
+    """
+    from rich.markup import escape
     from rich.table import Table
 
     table = Table(title=title, title_justify="left", expand=False)

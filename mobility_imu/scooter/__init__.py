@@ -5,12 +5,20 @@ from mobility_imu.scooter.calibration import ScooterCalibration, calibrate_mount
 from mobility_imu.scooter.fusion import FusedAngles, FusionSettings, fuse_angles
 from mobility_imu.scooter.geometry import SUZUKI_ET4D, ScooterGeometry
 from mobility_imu.scooter.mount import ScooterMount
+from mobility_imu.scooter.pose_check import (
+    PoseCheck,
+    PoseCheckSettings,
+    check_poses,
+    pose_uncertainty,
+)
 from mobility_imu.scooter.ride import RideAngles, RideSettings, estimate_ride
 
 __all__ = [
     "SUZUKI_ET4D",
     "FusedAngles",
     "FusionSettings",
+    "PoseCheck",
+    "PoseCheckSettings",
     "RideAngles",
     "RideSettings",
     "ScooterAngles",
@@ -19,7 +27,9 @@ __all__ = [
     "ScooterMount",
     "angle_standard_deviations",
     "calibrate_mount",
+    "check_poses",
     "estimate_angles",
     "estimate_ride",
     "fuse_angles",
+    "pose_uncertainty",
 ]

@@ -94,6 +94,11 @@ COMMANDS = {
         ["ride.csv", "g.toml", "poses.csv"],
         ["-o"],
     ),
+    "scooter check": (
+        ["ride.csv", "--geometry", "g.toml", "--poses", "poses.csv"],
+        ["ride.csv", "g.toml", "poses.csv"],
+        ["-o"],
+    ),
     "wheelchair velocity": (
         "court.csv.gz --static static.csv.gz --straight straight.csv.gz "
         "--geometry chair.toml".split(),

@@ -87,6 +87,7 @@ def test_version(works):
 
 OPTIONS = {
     ("scooter", "angles"): {"--method": "fusion", "--form": "printed"},
+    ("scooter", "check"): {"--method": "fusion", "--sensors": "calibrated"},
     ("wheelchair", "velocity"): {"--camber": "sign-safe", "--filter": "savitzky-golay"},
     ("wheelchair", "tasks"): {"--edge": "covering"},
     ("walker", "calibrate"): {"--method": "all-samples", "--form": "corrected"},
@@ -107,8 +108,8 @@ def test_choices_are_those_of_the_library():
 
     from mobility_imu.cli import scooter, simulate, walker, wheelchair
     from mobility_imu.reproduction.claims import Work
-    from mobility_imu.reproduction.walker.studies import LEVELS
     from mobility_imu.scooter import estimate_angles
+    from mobility_imu.simulation import bundle
     from mobility_imu.simulation.scooter import COURSES
     from mobility_imu.walker import calibration
     from mobility_imu.wheelchair import smoothing, tasks
@@ -121,7 +122,12 @@ def test_choices_are_those_of_the_library():
     assert set(get_args(walker.Method)) == set(get_args(calibration.Method))
     assert set(get_args(walker.Form)) == set(get_args(calibration.Form))
     assert set(get_args(simulate.ScooterCourse)) == set(COURSES)
-    assert {level.replace("-", " ") for level in get_args(simulate.Level)} == set(LEVELS)
+    for choices, levels in (
+        (simulate.Level, bundle.WALKER_LEVELS),
+        (simulate.ScooterLevel, bundle.SCOOTER_SENSORS),
+        (simulate.WheelchairLevel, bundle.WHEELCHAIR_LEVELS),
+    ):
+        assert {level.replace("-", " ") for level in get_args(choices)} == set(levels)
     from mobility_imu.cli.reproduce import Work as Choice
 
     assert set(get_args(Choice)) == set(get_args(Work))

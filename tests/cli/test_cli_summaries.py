@@ -23,7 +23,10 @@ def lines_of(result):
     return [line for line in lines if not line.startswith("mobility-imu: warning: ")]
 
 
-@pytest.mark.parametrize("command", [c for c in COMMANDS if c != "scooter calibrate"])
+NEED_POSES = ("scooter calibrate", "scooter check")
+
+
+@pytest.mark.parametrize("command", [c for c in COMMANDS if c not in NEED_POSES])
 def test_every_command_says_what_it_read_and_wrote(room, works, command):
     arguments, inputs, options = COMMANDS[command]
     outputs = [part for option in options for part in (option, NAMES[option])]

@@ -1,0 +1,397 @@
+"""Independent real recordings: what is recorded of them, and whether it comes out here again.
+
+Most of these recordings have no licence for passing on, so the project keeps numbers that were
+computed from them, with origin, checksum of each file, and command. Where a set is on this machine,
+named by MOBILITY_IMU_RECORDINGS or fetched, its numbers are computed again and compared.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from mobility_imu.data import recorded_folder
+from mobility_imu.datasets.catalogue import find_dataset
+from mobility_imu.datasets.folders import RECORDINGS_VARIABLE, find_folder
+from mobility_imu.errors import InputError
+from mobility_imu.frames import one_of
+from mobility_imu.reproduction.claims import Work
+
+Numbers = dict[str, Any]
+State = Literal["as recorded", "differs", "other files", "not here", "no record"]
+STATES: tuple[State, ...] = ("as recorded", "differs", "other files", "not here", "no record")
+RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 0.01, 1e-3
+"""A number is as recorded within 1 % or a thousandth; between processors, versions of the
+libraries, and readable and compiled loops the last digits differ, and filters carry that on."""
+SHOWN_DIFFERENCES = 3
+
+
+class RealSet(NamedTuple):
+    """A set of recordings that others made, and the record that we keep of it.
+
+    Parameters
+    ----------
+    record : name of the record
+    work : "scooter", "wheelchair" or "walker", whose method is tried
+    dataset : name by which ``mobility-imu fetch`` knows the set
+    title : device and reference, in a few words
+    """
+
+    record: str
+    work: Work
+    dataset: str
+    title: str
+
+
+REAL_SETS: dict[str, RealSet] = {
+    real.record: real
+    for real in (
+        RealSet("real_two_hinges", "scooter", "two-hinges", "two hinges, motion capture"),
+        RealSet("real_one_hinge", "scooter", "one-hinge", "one motorised hinge, encoder"),
+        RealSet("real_drives", "wheelchair", "terrain-chair", "chair on real ground"),
+        RealSet("real_chair_mocap", "wheelchair", "mocap-chair", "sports chairs, motion capture"),
+        RealSet("real_car", "wheelchair", "car-wheels", "car, satellite positions"),
+        RealSet("real_walks", "walker", "labelled-walks", "walking frame, labelled steps"),
+        RealSet("real_feet", "walker", "foot-walks", "sensor on a foot, motion capture"),
+    )
+}
+"""Sets by the names of their records."""
+
+
+@dataclass(frozen=True)
+class RealRecord:
+    """What is recorded of a set.
+
+    Parameters
+    ----------
+    origin : where the recordings are from, at which commit
+    command : that computes the record again
+    date : when that was done last
+    files : name to SHA-256 of each file that was read
+    rows : numbers of each recording
+    summary : numbers of the set
+    """
+
+    origin: str
+    command: str
+    date: str
+    files: Mapping[str, str]
+    rows: list[Numbers]
+    summary: Numbers
+
+    @property
+    def numbers(self) -> Numbers:
+        """``rows`` and ``summary``, which computing the record again has to give."""
+        return {"rows": self.rows, "summary": self.summary}
+
+
+@dataclass(frozen=True)
+class Recomputed:
+    """What came of computing a record again.
+
+    Parameters
+    ----------
+    real : which set
+    state : "as recorded", "differs", "other files" (computed from files that are not those of the
+        record, so nothing is compared), "not here" or "no record"
+    message : one sentence on it
+    compared : how many numbers were compared
+    numbers : ``rows`` and ``summary`` as computed here, or else as recorded; None without either
+    """
+
+    real: RealSet
+    state: State
+    message: str
+    compared: int = 0
+    numbers: Mapping[str, Any] | None = None
+
+
+def real_sets(work: Work | None = None) -> list[RealSet]:
+    """Sets on which the methods of one work, or of all, are tried.
+
+    Parameters
+    ----------
+    work : "scooter", "wheelchair", "walker" or None for all three
+
+    Returns
+    -------
+    list of RealSet
+    """
+    return [real for real in REAL_SETS.values() if work in (None, real.work)]
+
+
+def real_record(name: str) -> RealRecord | None:
+    """What is recorded of a set.
+
+    Parameters
+    ----------
+    name : a key of :data:`REAL_SETS`
+
+    Returns
+    -------
+    RealRecord, or None if there is no record yet
+
+    Raises
+    ------
+    InputError
+        If there is no such set.
+    """
+    from mobility_imu.reproduction.recorded import load_record
+
+    one_of("record", name, tuple(REAL_SETS))
+    if not (recorded_folder() / f"{name}.json").is_file():
+        return None
+    record = load_record(name)
+    numbers = record["numbers"]
+    return RealRecord(
+        numbers["origin"],
+        record["command"],
+        record["date"],
+        numbers["files"],
+        numbers["rows"],
+        numbers["summary"],
+    )
+
+
+def recompute(name: str) -> Recomputed:
+    """Compute a record again where its recordings are, and compare.
+
+    Parameters
+    ----------
+    name : a key of :data:`REAL_SETS`
+
+    Returns
+    -------
+    Recomputed
+
+    Raises
+    ------
+    InputError
+        If there is no such set, or MOBILITY_IMU_RECORDINGS names a folder that does not exist.
+    """
+    record, real = real_record(name), REAL_SETS[name]
+    if record is None:
+        return Recomputed(real, "no record", f"{name}: nothing is recorded of this set yet")
+    folder = find_folder(real.dataset)
+    if folder is None:
+        return Recomputed(real, "not here", missing(real), numbers=record.numbers)
+    lacking = lacking_files(folder, record.files)
+    if lacking:
+        return Recomputed(
+            real,
+            "not here",
+            f"{real.dataset}: {folder} lacks {_listed(lacking)}; the numbers are those recorded",
+            numbers=record.numbers,
+        )
+    found = _study(name)()
+    assert found is not None, f"{name}: its study found no recordings in {folder}"
+    numbers = found["numbers"]
+    others = [file for file, sha in record.files.items() if numbers["files"].get(file) != sha]
+    if others:
+        return Recomputed(
+            real,
+            "other files",
+            f"{real.dataset}: {_listed(others)} in {folder} not as recorded (SHA-256); the numbers "
+            "are those of the files that are here",
+            numbers=numbers,
+        )
+    return _compared(real, record, numbers)
+
+
+def _compared(real: RealSet, record: RealRecord, numbers: Numbers) -> Recomputed:
+    """Compare with the record; with further recordings here, only those that it has."""
+    found, further = numbers, [name for name in numbers["files"] if name not in record.files]
+    recorded = record.numbers
+    if further:
+        known = {_identity(row) for row in record.rows}
+        recorded = {"rows": record.rows}
+        found = {"rows": [row for row in numbers["rows"] if _identity(row) in known]}
+    found = {name: found[name] for name in recorded}
+    off, compared = list(differing(found, recorded)), len(list(leaves(found)))
+    also = f", with {len(further)} further files, which the record lacks" if further else ""
+    if not off:
+        message = f"computed again here, {compared} numbers as recorded on {record.date}{also}"
+    else:
+        first = "; ".join(
+            f"{place} = {shown(now)}, recorded {shown(was)}"
+            for place, now, was in off[:SHOWN_DIFFERENCES]
+        )
+        more = f" and {len(off) - SHOWN_DIFFERENCES} more" if len(off) > SHOWN_DIFFERENCES else ""
+        message = (
+            f"{len(off)} of {compared} numbers differ from the record of {record.date}{also}: "
+            f"{first}{more}"
+        )
+    return Recomputed(
+        real,
+        "differs" if off else "as recorded",
+        f"{real.dataset}: {message}",
+        compared,
+        numbers,
+    )
+
+
+def _identity(row: Numbers) -> tuple[Any, ...]:
+    """Which recording a row is of, and by which method."""
+    return next(iter(row.values())), row.get("method")
+
+
+def missing(real: RealSet) -> str:
+    """Sentence for a set that is not on this machine: what to do to have it computed again.
+
+    Parameters
+    ----------
+    real : RealSet
+
+    Returns
+    -------
+    str
+    """
+    return (
+        f"{real.dataset}: the numbers are those recorded; get it with 'mobility-imu fetch "
+        f"{real.dataset}', or name a folder that has it in {RECORDINGS_VARIABLE}"
+    )
+
+
+def _study(name: str) -> Callable[[], Numbers | None]:
+    from mobility_imu.reproduction.recorded import STUDIES
+
+    study = STUDIES[name]
+    function: Callable[[], Numbers | None] = getattr(
+        importlib.import_module(study.module), study.function
+    )
+    return function
+
+
+def origin_of(dataset: str) -> str:
+    """Where a data set is from, for its record.
+
+    Parameters
+    ----------
+    dataset : name by which it is fetched
+
+    Returns
+    -------
+    str with address, commit and licence
+    """
+    found = find_dataset(dataset)
+    return f"{found.origin} at {found.commit}; licence: {found.licence}"
+
+
+def checksums(folder: Path, names: Iterable[str]) -> dict[str, str]:
+    """SHA-256 of files.
+
+    Parameters
+    ----------
+    folder : that holds them
+    names : of the files in it
+
+    Returns
+    -------
+    dict from name to 64 hexadecimal digits
+
+    Raises
+    ------
+    InputError
+        If a file is not there.
+    """
+    sums = {}
+    for name in names:
+        path = folder / name
+        if not path.is_file():
+            raise InputError(f"{path}: no such file")
+        sums[name] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return sums
+
+
+def lacking_files(folder: Path, names: Iterable[str]) -> list[str]:
+    """Files that a folder lacks.
+
+    Parameters
+    ----------
+    folder : of a data set
+    names : that are looked for
+
+    Returns
+    -------
+    list of str
+    """
+    return [name for name in names if not (folder / name).is_file()]
+
+
+def differing(found: Any, recorded: Any, place: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """What was found and is not as recorded, within 1 % or a thousandth.
+
+    Parameters
+    ----------
+    found, recorded : nested dicts and lists of numbers, text and None
+    place : where they stand, for the result
+
+    Yields
+    ------
+    place, value found, value recorded; None stands for what one of them lacks
+    """
+    if isinstance(found, Mapping) and isinstance(recorded, Mapping):
+        for key in dict.fromkeys([*found, *recorded]):
+            yield from differing(found.get(key), recorded.get(key), f"{place}.{key}".strip("."))
+    elif isinstance(found, list) and isinstance(recorded, list) and len(found) == len(recorded):
+        for k, (one, other) in enumerate(zip(found, recorded, strict=True)):
+            yield from differing(one, other, f"{place}[{k}]")
+    elif _is_number(found) and _is_number(recorded):
+        if not _alike(found, recorded):
+            yield place, found, recorded
+    elif found != recorded:
+        yield place, found, recorded
+
+
+def leaves(numbers: Any) -> Iterator[Any]:
+    """Every value inside nested dicts and lists.
+
+    Parameters
+    ----------
+    numbers : nested dicts and lists
+
+    Yields
+    ------
+    value
+    """
+    if isinstance(numbers, Mapping):
+        numbers = list(numbers.values())
+    if isinstance(numbers, list):
+        for part in numbers:
+            yield from leaves(part)
+    else:
+        yield numbers
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _alike(one: float, other: float) -> bool:
+    if math.isnan(one) or math.isnan(other):
+        return math.isnan(one) and math.isnan(other)
+    return math.isclose(one, other, rel_tol=RELATIVE_TOLERANCE, abs_tol=ABSOLUTE_TOLERANCE)
+
+
+def shown(value: Any) -> str:
+    """Value of a record on one line.
+
+    Parameters
+    ----------
+    value : number, text or None
+
+    Returns
+    -------
+    str
+    """
+    return f"{value:.4g}" if _is_number(value) else repr(value)[:60]
+
+
+def _listed(names: list[str]) -> str:
+    more = f" and {len(names) - SHOWN_DIFFERENCES} more" if len(names) > SHOWN_DIFFERENCES else ""
+    return ", ".join(names[:SHOWN_DIFFERENCES]) + more

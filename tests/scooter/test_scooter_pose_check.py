@@ -1,0 +1,216 @@
+"""Angles of parked poses beside a protractor's: what is stated holds, and what is wrong is seen."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from mobility_imu.errors import InputError
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.scooter import (
+    SUZUKI_ET4D,
+    PoseCheckSettings,
+    ScooterGeometry,
+    calibrate_mount,
+    check_poses,
+    estimate_angles,
+    pose_uncertainty,
+)
+from mobility_imu.scooter.geometry import body_specific_force, lever_acceleration
+from mobility_imu.simulation.scooter import PARKED_POSES_RAD, draw_scooter, simulate_parked
+
+POSES = np.deg2rad([(s, t) for s in (-40, -20, 0, 20, 40) for t in (0, 20, 40)])
+LIST = POSES.tolist()
+IMUS = PoseCheckSettings.for_calibrated_imus()
+
+
+def exact(poses=POSES, *, force=None):
+    """Recording without any error; each pose rests for 2 s, with a moment of turning between."""
+    each = np.repeat(np.arange(len(poses)), 200)
+    body = np.tile(body_specific_force(0.0, 0.0) if force is None else force, (len(each), 1))
+    lever = lever_acceleration(body, *poses[each].T, SUZUKI_ET4D)
+    gyr = np.zeros_like(body)
+    for k in range(1, len(poses)):
+        gyr[200 * k - 5 : 200 * k + 5] = 1.0
+    last_digit = 1e-5 * np.random.default_rng(1).standard_normal((2, *body.shape))
+    sensors = {"lever": Imu(lever + last_digit[0], gyr), "body": Imu(body + last_digit[1], 0 * gyr)}
+    return Recording(np.arange(len(each)) / 100, sensors)
+
+
+@pytest.fixture(scope="module")
+def checks():
+    """Twelve drawn scooters with the mount that a calibration found, and without."""
+    found = {True: [], False: []}
+    for seed in range(12):
+        unit = draw_scooter(seed)
+        parked = [
+            simulate_parked(pitch_rad=pitch, bank_rad=0.0, seed=100 * seed + k, unit=unit)
+            for k, pitch in enumerate(np.deg2rad([0.2, 5.0]))
+        ]
+        mount = calibrate_mount(parked, PARKED_POSES_RAD, SUZUKI_ET4D).mount
+        recording = simulate_parked(LIST, pitch_rad=0.0, bank_rad=0.0, seed=7000 + seed, unit=unit)
+        for calibrated in (True, False):
+            given = mount if calibrated else None
+            found[calibrated].append(check_poses(recording, LIST, SUZUKI_ET4D, given, IMUS))
+    return found
+
+
+@pytest.mark.parametrize("calibrated", [True, False])
+def test_stated_deviations_hold_on_drawn_scooters(checks, calibrated):
+    """Sizes of the simulated sensors are those assumed; few scooters, whose poses share errors."""
+    found = checks[calibrated]
+    rms = np.sqrt(np.mean([one.rms_rad**2 for one in found], axis=0))
+    stated = np.sqrt(np.mean([one.difference_sd_rad**2 for one in found], axis=(0, 1)))
+    assert (stated / rms > 0.6).all() and (stated / rms < 1.7).all()
+    assert 0.85 <= np.mean([one.inside for one in found])
+    assert sum(one.verdict == "agrees" for one in found) >= 11
+
+
+def test_a_calibration_makes_the_stated_deviation_smaller(checks):
+    with_mount, without = (checks[c][0].difference_sd_rad for c in (True, False))
+    assert (with_mount < without).all()
+
+
+def test_sensors_that_stay_on_make_the_expected_deviation_smaller():
+    """A changed offset is most of what a calibration cannot take away."""
+    usual, on = (
+        pose_uncertainty(POSES, SUZUKI_ET4D, settings)
+        for settings in (PoseCheckSettings(), PoseCheckSettings().kept_on())
+    )
+    assert (on < usual).all() and (on[:, 0] < 0.5 * usual[:, 0]).all()
+
+
+def test_expected_uncertainty_is_that_of_drawn_errors():
+    """Turns, offsets and axes drawn at a tenth of the assumed sizes, where all is linear."""
+    tenth = {
+        "mount_sd_rad": 0.1 * IMUS.mount_sd_rad,
+        "acc_offset_sd_mps2": 0.1 * IMUS.acc_offset_sd_mps2,
+        "acc_scale_sd": 0.1 * IMUS.acc_scale_sd,
+        "acc_axes_sd_rad": 0.1 * IMUS.acc_axes_sd_rad,
+        "geometry_sd_rad": 0.1 * IMUS.geometry_sd_rad,
+    }
+    settings = PoseCheckSettings(**tenth)
+    expected = pose_uncertainty(POSES, SUZUKI_ET4D, settings, calibrated=False, pitch_rad=0.03)
+    rng = np.random.default_rng(5)
+    axes = np.where(np.eye(3) > 0, settings.acc_scale_sd, settings.acc_axes_sd_rad)
+    errors = []
+    for _ in range(400):
+        body = np.tile(body_specific_force(0.03, 0.0), (len(POSES), 1))
+        alpha, beta = settings.geometry_sd_rad * rng.standard_normal(2)
+        real = ScooterGeometry(
+            SUZUKI_ET4D.steering_inclination_rad + alpha, SUZUKI_ET4D.lever_inclination_rad + beta
+        )
+        readings = []
+        for force in (lever_acceleration(body, *POSES.T, real), body):
+            turn = settings.mount_sd_rad * rng.standard_normal(3)
+            seen = force - np.cross(turn, force)
+            offset = settings.acc_offset_sd_mps2 * rng.standard_normal(3)
+            readings.append(seen + seen @ (axes * rng.standard_normal((3, 3))).T + offset)
+        found = estimate_angles(*readings, SUZUKI_ET4D)
+        errors.append(np.column_stack([found.steering_rad, found.throttle_rad]) - POSES)
+    # 400 draws: the rms of each is known to 3.5 %, sd; the worst of 30 is within four of these.
+    assert np.allclose(np.sqrt(np.mean(np.square(errors), axis=0)) / expected, 1.0, atol=0.14)
+
+
+def test_exact_readings_agree():
+    found = check_poses(exact(), LIST, SUZUKI_ET4D)
+    assert np.allclose(found.found_rad, POSES, atol=1e-4) and found.inside.all()
+    assert found.verdict == "agrees" and found.chi_square < 1e-3 and found.probability > 0.999
+    assert "smaller than stated" in found.warnings[0]
+
+
+@pytest.mark.parametrize("method", ["closed-form", "fusion"])
+def test_a_steering_that_is_off_in_all_poses_differs(method):
+    settings = PoseCheckSettings.for_calibrated_imus(method)
+    really = (POSES + np.deg2rad([20.0, 0.0])).tolist()
+    parked = simulate_parked(really, pitch_rad=0.0, bank_rad=0.0, seed=4)
+    found = check_poses(parked, LIST, SUZUKI_ET4D, None, settings)
+    assert found.verdict == "differs"
+    assert any("steering is off by" in sentence for sentence in found.warnings)
+    assert not any("throttle" in sentence for sentence in found.warnings)
+
+
+def test_poses_in_another_order_differ():
+    found = check_poses(exact(), LIST[::-1], SUZUKI_ET4D)
+    assert found.verdict == "differs"
+
+
+def test_a_pose_that_no_reading_shows_is_not_judged():
+    """At 90 deg on level ground steering cannot be observed."""
+    poses = np.vstack([POSES[:4], [[np.pi / 2, 0.0]]])
+    found = check_poses(exact(poses), poses.tolist(), SUZUKI_ET4D)
+    assert found.judged.tolist() == [True] * 4 + [False]
+    assert "pose 5" in found.warnings[0] and np.isnan(found.difference_sd_rad[4]).all()
+    assert found.verdict == "agrees"
+    few = np.vstack([POSES[:2], [[np.pi / 2, 0.0]]])
+    assert check_poses(exact(few), few.tolist(), SUZUKI_ET4D).verdict == "cannot be judged"
+
+
+def test_none_that_can_be_judged():
+    none = np.array([[np.pi / 2, 0.0], [np.pi / 2, 0.1]])
+    found = check_poses(exact(none), none.tolist(), SUZUKI_ET4D)
+    assert found.verdict == "cannot be judged" and np.isnan(found.rms_rad).all()
+    assert np.isnan(found.probability) and len(found.to_frame()) == 4
+
+
+def test_a_slope_needs_no_name():
+    """The body's IMU sees it."""
+    found = check_poses(exact(force=body_specific_force(0.1, 0.05)), LIST, SUZUKI_ET4D)
+    assert np.allclose(found.found_rad, POSES, atol=1e-4)
+
+
+def test_the_table_has_a_row_for_each_pose_and_control():
+    found = check_poses(exact(), LIST, SUZUKI_ET4D)
+    table = found.to_frame()
+    assert len(table) == 2 * len(POSES) and set(table["control"]) == {"steering", "throttle"}
+    assert np.allclose(table["set_deg"], np.rad2deg(POSES).ravel())
+    assert (table["stop_s"] > table["start_s"]).all() and (table["inside_95"] == 1).all()
+    again = pickle.loads(pickle.dumps(found))
+    assert again.to_frame().equals(table) and not again.found_rad.flags.writeable
+    assert "\n" not in repr(found)
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"parked": None}, "parked: got NoneType"),
+        ({"settings_of_poses_rad": LIST[:3]}, "expected 3, one per pose"),
+        ({"settings_of_poses_rad": [[0.0, np.nan]]}, "two finite"),
+        ({"geometry": 0.3}, "geometry: got float"),
+        ({"mount": np.eye(3)}, "mount: got ndarray"),
+        ({"settings": "fusion"}, "settings: got str"),
+    ],
+)
+def test_wrong_arguments_are_named(given, says):
+    usual = {"parked": exact(), "settings_of_poses_rad": LIST, "geometry": SUZUKI_ET4D}
+    with pytest.raises(InputError, match=says):
+        check_poses(**(usual | given))
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"method": "magic"}, "method"),
+        ({"reading_sd_rad": 0.0}, "reading_sd_rad"),
+        ({"acc_offset_sd_mps2": -1.0}, "acc_offset_sd_mps2"),
+        ({"mount_sd_rad": np.nan}, "mount_sd_rad"),
+    ],
+)
+def test_wrong_settings_are_named(given, says):
+    with pytest.raises(InputError, match=says):
+        PoseCheckSettings(**given)
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"poses_rad": [1.0, 2.0]}, "poses_rad"),
+        ({"poses_rad": [[np.inf, 0.0]]}, "poses_rad"),
+        ({"calibrated": "yes"}, "calibrated"),
+        ({"pitch_rad": None}, "pitch_rad"),
+        ({"geometry": None}, "geometry"),
+    ],
+)
+def test_wrong_questions_on_uncertainty_are_named(given, says):
+    with pytest.raises(InputError, match=says):
+        pose_uncertainty(**({"poses_rad": POSES, "geometry": SUZUKI_ET4D} | given))
