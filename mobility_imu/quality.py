@@ -238,17 +238,24 @@ def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
         return cut
     resolution = resolution_of(values, skip=at_limit.any(axis=1))
     for k, (axis, limit) in enumerate(zip(size.T, at_limit.T, strict=True)):
+        # A sensor that never is quiet shows its steps by the values that it takes at all.
+        step = min(resolution.step[k], _smallest_steps(values[:, k]))
         for plateau in runs_of(limit):
             others = np.delete(np.arange(values.shape[1]), k)
             spread = np.ptp(values[plateau][:, others], axis=0)
             at_rest = len(others) and (spread <= FELT_STEPS * resolution.step[others]).all()
             noisy = resolution.repeats[k] < FINE_REPEATS and resolution.pairs
             if (noisy and plateau.stop - plateau.start >= LONG_PLATEAU) or (
-                not (at_rest and resolution.coarse[k])
-                and _falls_fast(axis, plateau, resolution.step[k])
+                not (at_rest and resolution.coarse[k]) and _falls_fast(axis, plateau, step)
             ):
                 cut[plateau] = True
     return cut
+
+
+def _smallest_steps(axis: FloatArray) -> float:
+    """How far apart the values of an axis are where they are closest; infinite for one value."""
+    apart = np.diff(np.unique(axis))
+    return float(np.percentile(apart, 10)) if len(apart) else np.inf
 
 
 def _falls_fast(axis: FloatArray, plateau: slice, step: float) -> bool:

@@ -261,3 +261,17 @@ def test_rates_and_counts_that_are_none(rate):
         frozen_samples(noise(), rate)
     with pytest.raises(InputError, match="run = "):
         saturated_samples(noise(), run=rate)
+
+
+@pytest.mark.parametrize("axes", [1, 3])
+@pytest.mark.parametrize("step", [1e-4, 0.1])
+def test_a_shaken_sensor_that_is_never_quiet_is_seen_to_be_cut(axes, step):
+    """5 Hz at four times gravity with a range of four: a quarter of the samples are cut."""
+    time_s = np.arange(1001) / 100
+    force = np.zeros((1001, axes))
+    force[:, -1] = 9.81 + 4 * 9.81 * np.sin(2 * np.pi * 5 * time_s)
+    noise = 0.01 * np.random.default_rng(2).standard_normal(force.shape)
+    whole = np.round((force + noise) / step) * step
+    cut = saturated_samples(np.clip(whole, -39.2, 39.2))
+    assert cut.mean() == pytest.approx(0.25, abs=0.01)
+    assert not saturated_samples(whole).any()
