@@ -18,7 +18,9 @@ from mobility_imu.quality import frozen_samples, saturated_samples
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.scooter.angles import Form, angle_standard_deviations, estimate_angles
-from mobility_imu.scooter.fusion import FusionSettings, acceleration_noise, fuse_angles
+from mobility_imu.scooter.fusion import fuse_angles
+from mobility_imu.scooter.fusion_noise import acceleration_noise
+from mobility_imu.scooter.fusion_settings import FusionSettings
 from mobility_imu.scooter.geometry import ScooterGeometry
 from mobility_imu.scooter.mount import ScooterMount
 
