@@ -217,7 +217,7 @@ def fuse_angles(
     if not settings.complete:
         first = _first_guess(settings, readings, rate_hz)
         seen = _filtered(run, inputs, first, geometry, rate_hz)
-        settings = _measured(settings, first, seen, readings, geometry, rate_hz)
+        settings = _measured(settings, first, seen, inputs, geometry, rate_hz)
     if smooth:
         angles, sd = _smoothed(run, inputs, settings, geometry, rate_hz)
     else:
@@ -281,8 +281,10 @@ def _loops(inputs: Inputs, geometry: ScooterGeometry, rate_hz: float) -> _Loops:
 def _first_guess(settings: FusionSettings, readings: _Readings, rate_hz: float) -> FusionSettings:
     """Settings for a first pass, from the lengths of the accelerations alone."""
     noise = acceleration_noise(readings.lever_acc, readings.body_acc)
+    step = smallest_step(readings.lever_acc, readings.body_acc)
     guesses = (
-        noise,
+        max(noise, settings.acc_step_mps2 or 0.0),
+        step,
         max(SMALLEST_DISTURBANCE_MPS2, noise / 2),
         SMALLEST_RATE_NOISE,
         SETTING_LIMITS["flexing_sd_rad"][0],
@@ -300,7 +302,7 @@ def _measured(
     settings: FusionSettings,
     first: FusionSettings,
     seen: _Seen,
-    readings: _Readings,
+    inputs: Inputs,
     geometry: ScooterGeometry,
     rate_hz: float,
 ) -> FusionSettings:
@@ -309,10 +311,10 @@ def _measured(
     # While it learns the constants, the residuals are not yet noise.
     noise = white_and_coloured(seen.residuals[len(seen.residuals) // 10 :], rate_hz)
     if noise is not None:
-        least = smallest_step(readings.lever_acc, readings.body_acc)
-        found["acc_sd_mps2"] = max(noise[0], least)
+        assert first.acc_step_mps2 is not None
+        found["acc_sd_mps2"] = max(noise[0], first.acc_step_mps2)
         found["disturbance_sd_mps2"] = max(noise[1], SMALLEST_DISTURBANCE_MPS2)
-    locked = locked_rate(readings.lever_gyr, readings.body_gyr, seen, geometry)
+    locked = locked_rate(inputs.lever_gyr, inputs.body_gyr, seen, geometry)
     angle, density = bounded_and_wandering(locked, rate_hz)
     found["flexing_sd_rad"] = max(angle, SETTING_LIMITS["flexing_sd_rad"][0])
     found["rate_noise_radps_sqrthz"] = max(density, SMALLEST_RATE_NOISE)

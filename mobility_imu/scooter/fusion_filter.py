@@ -115,7 +115,7 @@ class Chunk(NamedTuple):
     ----------
     states : (n, 7) array
     sd : (n, 2) array, rad, of both angles with what the constants add; undefined with ``keep``
-    residuals : (n, 3) array, m/s², before each correction
+    residuals : (n, 3) array, m/s², before each correction, the disturbance among them
     gains : (n, 7, 7) array, of the smoother from the sample after to this one
     offsets, remainders, couplings : (n, 7), (n, 7, 7) and (n, 7, 39) arrays: the smoothed state is
         ``gain @ state after + offset + coupling @ constants``, its covariance has the remainder
@@ -382,8 +382,9 @@ def run_filter(
             x, p, v = x_next, p_next, v_next
         slow += model.dt / SLOPE_SMOOTHING_S * (inputs.body_acc[k] - slow)
         residual, h, by_c = _measurement(inputs, k, x, c, slow, model)
+        residuals[i] = residual + x[4:]
         x, p, v, c, m = correct(x, p, v, c, m, residual, h, by_c, model.noise, model.huber)
-        states[i], residuals[i] = x, residual
+        states[i] = x
         if not keep:
             sd[i] = _angle_sd(p, v, m)
     chunk = Chunk(states, sd, residuals, gains, offsets, remainders, couplings)
@@ -395,7 +396,7 @@ def _angle_sd(p: FloatArray, v: FloatArray, m: FloatArray) -> FloatArray:
     """Standard deviation of both angles: their own, and what the constants add."""
     by_steering, by_throttle = v[0] @ m @ v[0], v[1] @ m @ v[1]
     both = np.array([p[0, 0] + by_steering, p[1, 1] + by_throttle])
-    return np.sqrt(np.maximum(both, 0.0))
+    return np.asarray(np.sqrt(np.maximum(both, 0.0)))
 
 
 @compiled()

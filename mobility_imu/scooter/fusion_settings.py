@@ -5,14 +5,17 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+import numpy as np
+
 from mobility_imu.errors import InputError
-from mobility_imu.frames import check_positive
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, check_positive
 
 __all__ = ["FusionSettings"]
 
 # Beyond these the squares in the filter's matrices lose all digits.
 SETTING_LIMITS = {
     "acc_sd_mps2": (1e-4, 1e8),
+    "acc_step_mps2": (1e-4, 1e8),
     "disturbance_sd_mps2": (1e-6, 1e6),
     "disturbance_time_s": (1e-3, 1e4),
     "rate_noise_radps_sqrthz": (1e-6, 10.0),
@@ -30,6 +33,7 @@ SETTING_LIMITS = {
 """Smallest and largest value of each setting of the filter."""
 FROM_THE_RECORDING = (
     "acc_sd_mps2",
+    "acc_step_mps2",
     "disturbance_sd_mps2",
     "rate_noise_radps_sqrthz",
     "flexing_sd_rad",
@@ -55,6 +59,8 @@ class FusionSettings:
     ----------
     acc_sd_mps2 : m/s², white noise per axis of the difference between the lever's acceleration and
         what eq. 5 makes of the body's; None takes it from the recording
+    acc_step_mps2 : m/s², step of the coarser converter: the least that a recording's noise can be;
+        None takes it from the readings, whose axes must then be the sensors' own
     disturbance_sd_mps2 : m/s², coloured noise of that difference (first-order Gauss-Markov): slow
         vibration, what flexes; None takes it from the recording
     disturbance_time_s : s, its correlation time
@@ -80,6 +86,7 @@ class FusionSettings:
     """
 
     acc_sd_mps2: float | None = None
+    acc_step_mps2: float | None = None
     disturbance_sd_mps2: float | None = None
     disturbance_time_s: float = 0.3
     rate_noise_radps_sqrthz: float | None = None
@@ -110,6 +117,38 @@ class FusionSettings:
                     f"FusionSettings.{name} = {getattr(self, name):g}: expected between {low:g} "
                     f"and {high:g}"
                 )
+
+    def after_calibration(self, mount_sd_rad: FloatArray) -> FusionSettings:
+        """Settings for IMUs whose mount a calibration found.
+
+        A mount from parked poses contains the accelerometers' errors there. What it leaves,
+        its standard deviation, is given to the axes and to the accelerometers in equal parts. Sizes
+        that are not the default stay.
+
+        Parameters
+        ----------
+        mount_sd_rad : (6,) array, rad, as ``ScooterMount.sd_rad``; the median counts, as a turn
+            that the poses did not show says nothing of the others
+
+        Returns
+        -------
+        FusionSettings
+        """
+        part = float(np.median(mount_sd_rad)) / 2**0.5
+        sizes = {
+            "acc_offset_sd_mps2": part * STANDARD_GRAVITY_MPS2,
+            "acc_scale_sd": part,
+            "misalignment_sd_rad": part,
+        }
+        assumed = {field.name: field.default for field in dataclasses.fields(self)}
+        return dataclasses.replace(
+            self,
+            **{
+                name: min(max(size, SETTING_LIMITS[name][0]), getattr(self, name))
+                for name, size in sizes.items()
+                if getattr(self, name) == assumed[name]
+            },
+        )
 
     @property
     def complete(self) -> bool:
