@@ -42,8 +42,12 @@ def expect(name: str, value: object, kind: type, *, none: bool = False) -> None:
     """
     if isinstance(value, kind) or (none and value is None):
         return
-    got = f"the class {value.__name__} itself" if isinstance(value, type) else type(value).__name__
-    raise InputError(f"{name}: got {got}, expected {kind.__name__}{' or None' if none else ''}")
+    got, expected = type(value).__name__, kind.__name__
+    if isinstance(value, type):
+        got = f"the class {value.__name__} itself"
+    elif got == expected:  # two devices may each have a class of this name
+        got, expected = (f"{one.__module__}.{one.__qualname__}" for one in (type(value), kind))
+    raise InputError(f"{name}: got {got}, expected {expected}{' or None' if none else ''}")
 
 
 def settings_or_default(name: str, value: Settings | None, kind: type[Settings]) -> Settings:

@@ -11,6 +11,7 @@ EXTRAS = {
     "sympy": "book",
     "dask": "cluster",
     "distributed": "cluster",
+    "pooch": "fetch",
 }
 """Libraries that are not part of the core, and the extra that brings each."""
 

@@ -1,24 +1,155 @@
-"""What is wrong with a sensor: samples in which it is frozen or at the end of its range."""
+"""What is wrong with a sensor: samples in which it is frozen or at the end of its range.
+
+Both faults show as readings that repeat themselves. So do the readings of a sensor that works, if
+its steps are coarse against its noise: at rest it says the same number for seconds, and at the end
+of a slow movement its largest one. The two are told apart by what the recording itself shows: how
+often each axis repeats where another one changes, and how large the steps are.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_count, as_floats, as_number
-from mobility_imu.runs import long_runs
+from mobility_imu.runs import long_runs, runs_of
+
+SHORTEST_FROZEN_S = 0.25
+"""Seconds of the shortest repetition that is called frozen."""
+COARSE_REPEATS = 0.5
+"""Chance from which on an axis at rest is called coarse: its next reading is the same again.
+
+With white noise of standard deviation s and steps q the chance is near 0.28 for s = q and 0.5 for
+s = q/2. A reading in the middle of its step then repeats with erf(q / (s sqrt(8))), 0.68 for
+s = q/2; at 0.7, all three axes of an accelerometer repeat for a quarter of a second at 100 Hz once
+in 10^11 samples. So long repetitions of finer axes are no accident.
+"""
+QUIET_PAIRS = 0.02
+"""Fraction of all changes, the quietest, at which the steps are looked at."""
+FEWEST_PAIRS = 60
+"""Changes that are looked at at least."""
+QUIET_SAMPLES = 25
+"""Samples around a change by which its quietness is measured."""
+FELT_STEPS = 4.0
+"""Steps that a working sensor's reading changes by for sure; rounding explains one or two."""
+FINE_REPEATS = 0.3
+"""Chance up to which the noise is as large as a step or larger; then 8 equal readings in a row are
+no accident."""
+LONG_PLATEAU = 8
+LARGEST_LOOK = 10
+"""Samples beyond a plateau at which it is looked at how far the readings have fallen, at most."""
+FELT_FRACTION = 0.1
+"""Fraction of a reading's length by which another sensor has to expect a change (6 deg of tilt)."""
 
 
-def frozen_samples(values: ArrayLike, sampling_rate_hz: float) -> NDArray[np.bool_]:
-    """Where a sensor repeats itself on all axes for a quarter of a second or more.
+class Resolution(NamedTuple):
+    """How finely a sensor's axes are read where it is quietest.
 
-    Noise alone changes the last digit of some axis with every sample of a working sensor.
+    Parameters
+    ----------
+    repeats : (k,) array, chance that an axis reads the same again while another one changes
+    step : (k,) array, median size of an axis' changes there, in the unit of the readings; of an
+        axis that does not change there, a small one of all its changes; 0 for one that never does
+    pairs : number of changes that this rests on; 0 tells nothing
+    """
+
+    repeats: FloatArray
+    step: FloatArray
+    pairs: int
+
+    @property
+    def coarse(self) -> NDArray[np.bool_]:
+        """Axes that repeat themselves at rest because of their steps, (k,)."""
+        return (self.repeats >= COARSE_REPEATS) & (self.pairs > 0)
+
+    @property
+    def all_coarse(self) -> bool:
+        """Whether all axes together may repeat themselves at rest because of their steps.
+
+        The geometric mean of the chances counts: an axis at the edge of its step changes often.
+        """
+        return bool(self.pairs and self.repeats.prod() >= COARSE_REPEATS ** len(self.repeats))
+
+
+def resolution_of(values: ArrayLike, *, skip: ArrayLike | None = None) -> Resolution:
+    """Resolution that a sensor's readings show, in the quietest part of a recording.
+
+    Samples that are held or doubled repeat on all axes at once and tell nothing of the steps: the
+    repetitions of one axis are counted where another one changes.
+
+    Parameters
+    ----------
+    values : (n, k) array
+    skip : (n,) bool array, samples that are not looked at; none if it is not given
+
+    Returns
+    -------
+    Resolution
+
+    Raises
+    ------
+    InputError
+        If the readings are no series of one or more axes.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).normal(0, 0.02, (1000, 3))
+    >>> resolution_of(noise.round(1)).coarse.tolist(), resolution_of(noise.round(3)).coarse.tolist()
+    ([True, True, True], [False, False, False])
+    """
+    values = _readings(values)
+    change = np.abs(np.diff(values, axis=0))
+    changed = change > 0
+    live = changed.any(axis=1)
+    if skip is not None:
+        unused = np.asarray(skip, bool)
+        live &= ~(unused[1:] | unused[:-1])
+    axes = values.shape[1]
+    if not live.any():
+        return Resolution(np.ones(axes), np.zeros(axes), 0)
+    size = change[live].mean(axis=0)
+    activity = (change / np.where(size > 0, size, 1.0)).sum(axis=1)
+    activity = ndimage.uniform_filter1d(activity, QUIET_SAMPLES, mode="nearest")
+    places = np.nonzero(live)[0]
+    count = min(len(places), max(FEWEST_PAIRS, int(QUIET_PAIRS * len(places))))
+    quiet = places[np.argsort(activity[places], kind="stable")[:count]]
+    found, sizes = changed[quiet], change[quiet]
+    repeats, step = np.empty(axes), np.zeros(axes)
+    for k in range(axes):
+        others = np.delete(found, k, axis=1).any(axis=1)
+        # Where the other axes hardly change, nothing tells a held sample from a still one.
+        enough = others.sum() >= min(FEWEST_PAIRS, count) / 2
+        repeats[k] = 1 - (found[others, k] if enough else changed[:, k]).mean()
+        if found[:, k].any():
+            step[k] = np.median(sizes[found[:, k], k])
+        elif changed[:, k].any():
+            step[k] = np.percentile(change[changed[:, k], k], 10)
+    return Resolution(repeats, step, count)
+
+
+def frozen_samples(
+    values: ArrayLike, sampling_rate_hz: float, *, follows: Sequence[ArrayLike] = ()
+) -> NDArray[np.bool_]:
+    """Where a sensor repeats itself on all axes, and neither rest nor resolution explains it.
+
+    All axes have to repeat for :data:`SHORTEST_FROZEN_S` or longer. A sensor whose noise changes
+    the last digit is then frozen. One with coarse steps (:class:`Resolution`) may be at rest;
+    it is frozen if other sensors felt a motion that it had to feel.
 
     Parameters
     ----------
     values : (n, k) array
     sampling_rate_hz : Hz
+    follows : (n, k) arrays in the unit of the values: what other sensors expect the values to be,
+        each up to a constant, such as :func:`turned_gravity`. A repetition in which one of them
+        changes by more than :data:`FELT_STEPS` steps and :data:`FELT_FRACTION` of the reading's
+        length is no rest.
 
     Returns
     -------
@@ -27,18 +158,60 @@ def frozen_samples(values: ArrayLike, sampling_rate_hz: float) -> NDArray[np.boo
     Raises
     ------
     InputError
-        If the readings are no series of one or more axes.
+        If the readings are no series of one or more axes, or what they follow has another shape.
     """
     values = _readings(values)
     rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    expected = [as_floats(one, "follows") for one in follows]
+    for one in expected:
+        if one.shape != values.shape:
+            raise InputError(f"follows: expected shape {values.shape}, got {one.shape}")
     if not len(values):
         return np.zeros(0, np.bool_)
     same = np.r_[False, (np.diff(values, axis=0) == 0).all(axis=1)]
-    return long_runs(same, max(2, round(0.25 * rate) - 1), grow=True)
+    repeated = long_runs(same, max(2, round(SHORTEST_FROZEN_S * rate) - 1), grow=True)
+    if not repeated.any():
+        return repeated
+    resolution = resolution_of(values, skip=repeated)
+    if not resolution.all_coarse:
+        return repeated
+    frozen = np.zeros_like(repeated)
+    for run in _repetitions(values, repeated):
+        least = max(FELT_STEPS * resolution.step.max(), FELT_FRACTION * _length(values[run.start]))
+        frozen[run] = any(np.ptp(one[run], axis=0).max() > least for one in expected)
+    return frozen
+
+
+def turned_gravity(
+    acc_mps2: ArrayLike, gyr_radps: ArrayLike, sampling_rate_hz: float
+) -> FloatArray:
+    """Accelerations that a gyroscope expects of an accelerometer beside it, up to a constant.
+
+    A force that stays as it is in the world turns in the sensor's axes by -rate x force. The rate's
+    median over the recording is taken for the gyroscope's offset.
+
+    Parameters
+    ----------
+    acc_mps2 : (n, 3) array, m/s²
+    gyr_radps : (n, 3) array, rad/s, of the same sensor
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    (n, 3) array, m/s²; its differences are right for a second or so
+    """
+    acc, gyr = _readings(acc_mps2), _readings(gyr_radps)
+    rate = gyr - np.median(gyr, axis=0) if len(gyr) else gyr
+    step_s = 1 / as_number(sampling_rate_hz, "sampling_rate_hz")
+    return np.cumsum(-np.cross(rate, acc) * step_s, axis=0)
 
 
 def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
     """Where an axis stays at its largest size for some samples: the range of the sensor is cut.
+
+    An axis also stays there at the end of a slow movement, or at rest, if its steps are large
+    against its noise. So the readings must come and go faster than rounding explains at a smooth
+    peak, while another axis moves; or stay on an axis whose noise would change them.
 
     Parameters
     ----------
@@ -58,10 +231,52 @@ def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
     cut = np.zeros(len(values), bool)
     if not len(values):
         return cut
-    for axis in np.abs(values).T:
-        at_limit = (axis == axis.max()) & (axis > 1.2 * np.median(axis))
-        cut |= long_runs(at_limit, run, grow=False)
+    size = np.abs(values)
+    at_limit = (size == size.max(axis=0)) & (size > 1.2 * np.median(size, axis=0))
+    at_limit = np.column_stack([long_runs(axis, run, grow=False) for axis in at_limit.T])
+    if not at_limit.any():
+        return cut
+    resolution = resolution_of(values, skip=at_limit.any(axis=1))
+    for k, (axis, limit) in enumerate(zip(size.T, at_limit.T, strict=True)):
+        for plateau in runs_of(limit):
+            others = np.delete(np.arange(values.shape[1]), k)
+            spread = np.ptp(values[plateau][:, others], axis=0)
+            at_rest = len(others) and (spread <= FELT_STEPS * resolution.step[others]).all()
+            noisy = resolution.repeats[k] < FINE_REPEATS and resolution.pairs
+            if (noisy and plateau.stop - plateau.start >= LONG_PLATEAU) or (
+                not (at_rest and resolution.coarse[k])
+                and _falls_fast(axis, plateau, resolution.step[k])
+            ):
+                cut[plateau] = True
     return cut
+
+
+def _falls_fast(axis: FloatArray, plateau: slice, step: float) -> bool:
+    """Whether the readings fall on both sides of a plateau by more than rounding explains.
+
+    Rounded to steps q, a smooth peak stays for n samples; m samples beyond, the parabola has fallen
+    by q (1 + 2 m / n)². Twice that is asked for.
+    """
+    count = plateau.stop - plateau.start
+    beyond = min(count, LARGEST_LOOK)
+    ends = (plateau.start - beyond, plateau.stop - 1 + beyond)
+    rounding = step * (1 + 2 * beyond / count) ** 2
+    falls = [axis[plateau.start] - axis[end] for end in ends if 0 <= end < len(axis)]
+    return all(fall > 2 * rounding for fall in falls)
+
+
+def _repetitions(values: FloatArray, repeated: NDArray[np.bool_]) -> list[slice]:
+    """Runs of one and the same reading within the samples that repeat."""
+    parts = []
+    for run in runs_of(repeated):
+        starts = np.nonzero((np.diff(values[run], axis=0) != 0).any(axis=1))[0] + 1
+        edges = [run.start, *(run.start + starts).tolist(), run.stop]
+        parts += [slice(a, b) for a, b in pairwise(edges)]
+    return parts
+
+
+def _length(reading: FloatArray) -> float:
+    return float(np.linalg.norm(reading))
 
 
 def _readings(values: ArrayLike) -> FloatArray:

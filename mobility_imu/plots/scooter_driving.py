@@ -121,8 +121,8 @@ def draw_courses(courses: Mapping[str, Course]) -> Figure:
 
 
 def _draw_profile(ax: Axes, course: Course) -> None:
-    grades = [stretch.grade_rad for stretch in course.stretches]
-    steps = [stretch.length_m for stretch in course.stretches]
+    grades = [segment.grade_rad for segment in course.segments]
+    steps = [segment.length_m for segment in course.segments]
     along = np.concatenate([[0], np.cumsum(np.cos(grades) * steps)])
     height = np.concatenate([[0], np.cumsum(np.sin(grades) * steps)])
     ax.fill_between(along, height, height.min() - 0.15, color="#E4E4E4")
@@ -141,23 +141,23 @@ def _draw_from_above(ax: Axes, course: Course) -> None:
     turned = course.name == "curves"  # forward is up; elsewhere forward is to the right
     heading = 0.0
     place = np.zeros(2)
-    for stretch in course.stretches:
-        steps = np.linspace(0, stretch.length_m, 60)
-        headings = heading + stretch.curvature_pm * steps
+    for segment in course.segments:
+        steps = np.linspace(0, segment.length_m, 60)
+        headings = heading + segment.curvature_pm * steps
         moved = np.cumsum(np.column_stack([-np.sin(headings), np.cos(headings)]) * steps[1], axis=0)
         line = place + np.vstack([[0, 0], moved[:-1]])
         x, y = (line[:, 0], line[:, 1]) if turned else (line[:, 1], -line[:, 0])
-        if stretch.tactile or stretch.bank_rad:
+        if segment.tactile or segment.bank_rad:
             ax.add_patch(
                 _rectangle(
                     (x[0], -0.5), x[-1] - x[0], 1.0,
-                    hatch="oo" if stretch.tactile else "//",
+                    hatch="oo" if segment.tactile else "//",
                 )
             )  # fmt: skip
-            if stretch.bank_rad:
+            if segment.bank_rad:
                 ax.annotate(
-                    f"right side up by {np.rad2deg(stretch.bank_rad):.0f}°\nover "
-                    f"{stretch.length_m:.0f} m",
+                    f"right side up by {np.rad2deg(segment.bank_rad):.0f}°\nover "
+                    f"{segment.length_m:.0f} m",
                     ((x[0] + x[-1]) / 2, 0.75),
                     ha="center",
                 )
@@ -167,7 +167,7 @@ def _draw_from_above(ax: Axes, course: Course) -> None:
         heading, place = headings[-1], line[-1]
     if turned:
         ax.annotate("", (0, 1.6), (0, 0.2), arrowprops={"arrowstyle": "->", "linewidth": 2})
-        radius = 1 / max(abs(stretch.curvature_pm) for stretch in course.stretches)
+        radius = 1 / max(abs(segment.curvature_pm) for segment in course.segments)
         ax.annotate(f"radius {radius:.1f} m,\n90° each", (0.6, 5.5), va="bottom")
         ax.set_xlim(-5.5, 5.0)
         ax.set_ylabel("m")

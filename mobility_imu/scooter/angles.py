@@ -18,10 +18,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
     FloatArray,
+    as_floats,
     as_number,
     as_vectors,
     one_of,
@@ -54,6 +56,33 @@ OBSERVABILITY_LIMIT = float(np.sin(np.deg2rad(2.0)))
 An error of direction (tilt of an IMU, noise over g) reaches the angle divided by this fraction:
 below it, 0.1 deg of tilt moves the angle by 3 deg or more.
 """
+
+LARGEST_ERROR_RAD = float(np.deg2rad(20.0))
+"""Steering error that an acceleration may cause in a sample that is valid.
+
+A sensor that is accelerated by as much across gravity as its length shows along gravity reads a
+force that is turned by ``|length - g| / g``, and steering errs by that times
+``hypot(K1, K2) / |K2|``, 2.9 straight ahead on level ground. There 20 deg, twice what the paper
+states for nine of ten samples of its drives, allow lengths that are off by 12 %.
+"""
+
+LARGEST_LEAN_RAD = float(np.deg2rad(30.0))
+"""Angle between the body's force and its z axis beyond which the scooter is not in slow drive.
+
+Upright, 30 deg are a horizontal acceleration of 5.7 m/s², or a slope on which no scooter stands.
+Leaning sideways by 30 deg, with alpha 20 deg, the mirror image of straight ahead has come to
+61 deg, about as far as a steering turns: which of the two is true cannot be told any more.
+"""
+
+ACCELERATED_FRACTION = 0.05
+"""Fraction of accelerated samples from which on a warning says so."""
+
+UPRIGHT_FRACTION = 0.1
+"""Fraction of samples within 90 deg of rest that a sensor with a reversed sign does not reach."""
+FIRST_SAMPLES = 25
+"""Samples at the beginning in which the controls are taken to be at rest, by their median."""
+SAMPLES_LOOKED_AT = 5000
+"""Samples, spread over a recording, in which the lever's sign is looked at."""
 
 # Samples worked on at once: the rows of a block stay in the processor's cache.
 BLOCK = 16384
@@ -118,7 +147,7 @@ def steering_angle(
     InputError
         If the arrays are not three-vectors or do not broadcast together.
     """
-    lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
+    lever, body = _vectors(lever_acc_mps2, body_acc_mps2, geometry)
     column = column_vector(body, geometry.steering_inclination_rad)
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN is the answer, not an accident
         sine = lever[..., 0] / np.sqrt(column.x**2 + column.c1**2)
@@ -152,7 +181,7 @@ def throttle_angle(
     InputError
         If the arrays are not three-vectors or do not broadcast together.
     """
-    lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
+    lever, body = _vectors(lever_acc_mps2, body_acc_mps2, geometry)
     column = column_vector(body, geometry.steering_inclination_rad)
     k1, (_, k2) = column.k1, steered(column, np.asarray(steering_rad, float))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -189,7 +218,7 @@ def three_axis_angles(
     InputError
         If the arrays are not three-vectors or do not broadcast together.
     """
-    lever, body = _vectors(lever_acc_mps2, body_acc_mps2)
+    lever, body = _vectors(lever_acc_mps2, body_acc_mps2, geometry)
     shape = np.broadcast_shapes(lever.shape, body.shape)
     lever, body = (np.broadcast_to(v, shape).reshape(-1, 3) for v in (lever, body))
     angles = np.empty((2, len(lever)))
@@ -267,10 +296,14 @@ def estimate_angles(
         lever's x component (the arcsine's argument is within +-1); where both angles are
         observable, that is, ``|K2|`` (the lever arm of the steering) and the part of the
         acceleration across the lever's axis (that of the throttle) are longer than
-        :data:`OBSERVABILITY_LIMIT` times the whole; and for "printed" also where C1 > 0, K1 > 0
-        and the lever's z component > 0.
+        :data:`OBSERVABILITY_LIMIT` times the whole; where the sensors are at rest or in slow drive,
+        by the lengths of their readings (:data:`LARGEST_ERROR_RAD`) and the body's direction
+        (:data:`LARGEST_LEAN_RAD`); and for "printed" also where C1 > 0, K1 > 0 and the lever's z
+        component > 0.
         An angle that is not valid is as the formula left it: perhaps NaN, never to be trusted.
-        ``valid`` cannot see the mirror solution, an unknown slope, or acceleration of one IMU only.
+        ``valid`` cannot see the mirror solution, an unknown slope, or an acceleration across
+        gravity of one IMU only, which changes no length.
+        ``warnings`` says if more than :data:`ACCELERATED_FRACTION` of the samples were accelerated.
 
     Raises
     ------
@@ -287,7 +320,8 @@ def estimate_angles(
     """
     one_of("form", form, ("corrected", "printed"))
     level = (0.0, 0.0, STANDARD_GRAVITY_MPS2)
-    lever, body = _vectors(lever_acc_mps2, level if body_acc_mps2 is None else body_acc_mps2)
+    body_acc = level if body_acc_mps2 is None else body_acc_mps2
+    lever, body = _vectors(lever_acc_mps2, body_acc, geometry)
     with np.errstate(all="ignore"):  # what overflows has no angle
         check_gravity(lever, body, geometry)
 
@@ -301,15 +335,24 @@ def estimate_angles(
         column = column_vector(body, geometry.steering_inclination_rad)
         k2 = np.abs(steered(column, steering)[1])
         shortest = OBSERVABILITY_LIMIT * np.linalg.norm(body, axis=-1)
+        off = _length_error(lever)
+        if body_acc_mps2 is not None:
+            off = np.maximum(off, _length_error(body))
+        fast = off * np.hypot(column.k1, k2) > LARGEST_ERROR_RAD * k2
+        leans = body[..., 2] < np.cos(LARGEST_LEAN_RAD) * np.linalg.norm(body, axis=-1)
+        observable = k2 > shortest
         valid = (
             np.isfinite(steering)
             & np.isfinite(throttle)
             & (np.abs(sideways) <= np.hypot(column.x, column.c1))
-            & (k2 > shortest)
+            & observable
+            & ~fast
+            & ~leans
         )
         if form == "printed":
             valid &= (column.c1 > 0) & (column.k1 > 0) & (lever[..., 2] > 0)
-    return ScooterAngles(steering, throttle, valid, form)
+        warnings = _accelerated((fast & observable) | leans, leans, off)
+    return ScooterAngles(steering, throttle, valid, form, warnings)
 
 
 def angle_standard_deviations(
@@ -358,22 +401,31 @@ def angle_standard_deviations(
     >>> [round(float(np.rad2deg(value)), 3) for value in sd]
     [0.168, 0.057]
     """
+    expect("geometry", geometry, ScooterGeometry)
     lever = as_vectors(lever_acc_mps2, "lever_acc_mps2")
+    steering, throttle = (
+        as_floats(steering_rad, "steering_rad"),
+        as_floats(throttle_rad, "throttle_rad"),
+    )
     lever_sd = as_number(lever_sd_mps2, "lever_sd_mps2", zero=True)
     body_sd = as_number(body_sd_mps2, "body_sd_mps2", zero=True)
     x, y, z = lever[..., 0], lever[..., 1], lever[..., 2]
-    tipped = geometry.lean_rad + np.asarray(throttle_rad, float)
+    tipped = geometry.lean_rad + throttle
     arm, along_shaft = turn(y, z, np.sin(tipped), np.cos(tipped))  # K2, K1
     length = np.linalg.norm(lever, axis=-1)
     noise = np.hypot(lever_sd, body_sd)
     with np.errstate(divide="ignore", invalid="ignore"):
         # det(HᵀH) = (length arm)²
         scale = noise / (length * np.abs(arm))
-        scale = np.where(np.isnan(steering_rad), np.nan, scale)
+        scale = np.where(np.isnan(steering), np.nan, scale)
         return scale * np.hypot(along_shaft, arm), scale * np.hypot(x, arm)
 
 
-def _vectors(lever_acc: ArrayLike, body_acc: ArrayLike) -> tuple[FloatArray, FloatArray]:
+def _vectors(
+    lever_acc: ArrayLike, body_acc: ArrayLike, geometry: ScooterGeometry
+) -> tuple[FloatArray, FloatArray]:
+    """Both accelerations as arrays; they and the geometry are checked."""
+    expect("geometry", geometry, ScooterGeometry)
     lever = as_vectors(lever_acc, "lever_acc_mps2")
     body = as_vectors(body_acc, "body_acc_mps2")
     try:
@@ -386,6 +438,31 @@ def _vectors(lever_acc: ArrayLike, body_acc: ArrayLike) -> tuple[FloatArray, Flo
     return lever, body
 
 
+def _length_error(acc: FloatArray) -> FloatArray:
+    """How far the length of each reading is off gravity, as a fraction of it."""
+    length = np.linalg.norm(acc, axis=-1)
+    return np.asarray(np.abs(length / STANDARD_GRAVITY_MPS2 - 1))
+
+
+def _accelerated(
+    accelerated: NDArray[np.bool_], leans: NDArray[np.bool_], off: FloatArray
+) -> tuple[str, ...]:
+    """Warning if more than a few of the samples were accelerated."""
+    read = np.isfinite(off)
+    accelerated = accelerated & read
+    fraction = accelerated.sum() / max(read.sum(), 1)
+    if fraction <= ACCELERATED_FRACTION:
+        return ()
+    leaning = np.broadcast_to(leans, read.shape)[accelerated]
+    length, lean = 100 * np.median(off[accelerated]), 100 * np.mean(leaning)
+    return (
+        f"the sensors were accelerated in {100 * fraction:.0f} % of the samples: there the lengths "
+        f"are off gravity by {length:.0f} % (median), and the body's force lies more than "
+        f"{np.rad2deg(LARGEST_LEAN_RAD):.0f} deg from its z axis in {lean:.0f} %; the closed form "
+        "holds at rest and in slow drive, on an upright scooter: they are marked as not valid",
+    )
+
+
 def _scaled_sideways(lever: FloatArray, body: FloatArray) -> FloatArray:
     """Lever's x component, as it would be with the lever's length equal to the body's."""
     length = np.linalg.norm(lever, axis=-1)
@@ -394,7 +471,11 @@ def _scaled_sideways(lever: FloatArray, body: FloatArray) -> FloatArray:
 
 
 def check_gravity(lever: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> None:
-    """Check unit and sign of gravity, which all rests on, in the median sample.
+    """Check unit and sign of gravity, which all rests on.
+
+    The unit is checked in the median sample. A sign is called reversed if the first samples and
+    nine of ten samples are more than 90 deg away from the controls at rest: a sweep of the lever
+    beyond 90 deg begins at rest or passes it.
 
     Parameters
     ----------
@@ -416,19 +497,31 @@ def check_gravity(lever: FloatArray, body: FloatArray, geometry: ScooterGeometry
                 f"{name}_acc_mps2: the median sample is {length:.3g} long, expected about "
                 f"{STANDARD_GRAVITY_MPS2:.2f} m/s²: is it in g, or was gravity taken out?"
             )
-    if body_median[2] < 0:
+    if _is_reversed(body[..., 2]):
         raise InputError(
             f"body_acc_mps2: the median z is {body_median[2]:.3g} m/s², expected about "
             f"+{STANDARD_GRAVITY_MPS2:.2f} (specific force, z up): the sign is flipped or the "
             "sensor is upside down"
         )
-    at_rest = lever_acceleration(body_median, 0.0, 0.0, geometry)
-    if lever_median @ at_rest < 0:
+    lever, body = np.broadcast_arrays(lever, body)
+    some = slice(None, None, max(1, lever.size // (3 * SAMPLES_LOOKED_AT)))
+    lever, body = lever.reshape(-1, 3)[some], body.reshape(-1, 3)[some]
+    if _is_reversed((lever * lever_acceleration(body, 0.0, 0.0, geometry)).sum(axis=-1)):
+        at_rest = lever_acceleration(body_median, 0.0, 0.0, geometry)
         raise InputError(
             f"lever_acc_mps2: the median {_show(lever_median)} m/s² is more than 90 deg away from "
             f"{_show(at_rest)}, which the controls at rest would give: the sign is flipped or the "
             "sensor is upside down"
         )
+
+
+def _is_reversed(along: FloatArray) -> bool:
+    """Whether readings are on the wrong side of rest at first, and in nine of ten samples."""
+    known = along[np.isfinite(along)]
+    if not len(known):
+        return False
+    at_first, upright = np.median(known[:FIRST_SAMPLES]), np.mean(known >= 0)
+    return bool(at_first < 0 and upright < UPRIGHT_FRACTION)
 
 
 def _median(vectors: FloatArray) -> FloatArray | None:

@@ -352,7 +352,7 @@ def parked_poses(
             f"{parked.time_s[s.start]:.1f}-{parked.time_s[s.stop - 1]:.1f} s" for s in stills
         )
         raise InputError(
-            f"{parked.source}: {len(stills)} still stretches ({times or 'none'}), expected "
+            f"{parked.source}: {len(stills)} still intervals ({times or 'none'}), expected "
             f"{len(settings)}, one per pose"
         )
     lever, body = parked.sensor("lever").acc_mps2, parked.sensor("body").acc_mps2

@@ -16,7 +16,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
+from mobility_imu.files import write_text
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_number, as_vectors
 from mobility_imu.readers.geometry import read_section
 from mobility_imu.rotations import elementary_rotation
@@ -165,12 +167,24 @@ class ScooterGeometry:
         """
         text = (
             "[scooter]\n"
-            f"steering_inclination_deg = {np.rad2deg(self.steering_inclination_rad):.6g}\n"
-            f"lever_inclination_deg = {np.rad2deg(self.lever_inclination_rad):.6g}\n"
+            f"steering_inclination_deg = {_in_degrees(self.steering_inclination_rad)}\n"
+            f"lever_inclination_deg = {_in_degrees(self.lever_inclination_rad)}\n"
         )
         if path is not None:
-            Path(path).write_text(text)
+            write_text(path, text)
         return text
+
+
+def _in_degrees(angle_rad: float) -> str:
+    """Degrees that give the same radians again, to the last bit if any number of degrees does.
+
+    As few digits as possible: 20 deg, not 20.000000000000004.
+    """
+    exact = float(np.rad2deg(angle_rad))
+    near = [float(f"{exact:.{digits}g}") for digits in (6, 9, 12, 15, 16)]
+    near += [exact, *np.nextafter(exact, [-360.0, 360.0]).tolist()]
+    chosen = next((deg for deg in near if float(np.deg2rad(deg)) == angle_rad), exact)
+    return np.format_float_positional(chosen, trim="-")
 
 
 SUZUKI_ET4D = ScooterGeometry.from_degrees(20, 9)
@@ -250,6 +264,7 @@ def rotation_lever_to_body(
     -------
     (..., 3, 3) array
     """
+    expect("geometry", geometry, ScooterGeometry)
     alpha, beta = geometry.steering_inclination_rad, geometry.lever_inclination_rad
     return (
         rotation_steering_column_to_body(alpha)

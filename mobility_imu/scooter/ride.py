@@ -14,7 +14,7 @@ from mobility_imu.arguments import check_columns, expect, for_each, settings_or_
 from mobility_imu.errors import InputError
 from mobility_imu.filters import median_filter
 from mobility_imu.frames import FloatArray, as_count, as_number, one_of
-from mobility_imu.quality import frozen_samples, saturated_samples
+from mobility_imu.quality import frozen_samples, saturated_samples, turned_gravity
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.scooter.angles import Form, angle_standard_deviations, estimate_angles
@@ -238,7 +238,8 @@ def _estimate(
             angles, used = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
             settings = dataclasses.replace(settings, fusion=used)
         else:
-            angles = _closed_form(acc, geometry, mount, settings)
+            angles, accelerated = _closed_form(acc, geometry, mount, settings)
+            warnings += [f"{ride.source}: {warning}" for warning in accelerated]
             warnings += _median_warnings(settings.median_window, ride.sampling_rate_hz)
     except InputError as error:
         raise InputError(f"{ride.source}: {error}") from None
@@ -272,7 +273,7 @@ def usable_samples(ride: Recording, names: Sequence[str]) -> tuple[NDArray[np.bo
     for name in names:
         acc = ride.sensor(name).acc_mps2
         for what, bad in (
-            ("is frozen", frozen_samples(acc, ride.sampling_rate_hz)),
+            ("is frozen", frozen_samples(acc, ride.sampling_rate_hz, follows=_felt(ride, name))),
             ("is saturated", saturated_samples(acc)),
         ):
             if bad.any():
@@ -282,6 +283,16 @@ def usable_samples(ride: Recording, names: Sequence[str]) -> tuple[NDArray[np.bo
                 )
                 usable &= ~bad
     return usable, warnings
+
+
+def _felt(ride: Recording, name: str) -> list[FloatArray]:
+    """What other sensors expect an accelerometer to feel: its gyroscope, and the body below it."""
+    sensor, felt = ride.sensor(name), []
+    if sensor.gyr_radps is not None:
+        felt.append(turned_gravity(sensor.acc_mps2, sensor.gyr_radps, ride.sampling_rate_hz))
+    if name == "lever" and "body" in ride.sensors:
+        felt.append(ride.sensor("body").acc_mps2)
+    return felt
 
 
 def _turned(
@@ -299,7 +310,8 @@ def _closed_form(
     geometry: ScooterGeometry,
     mount: ScooterMount | None,
     settings: RideSettings,
-) -> tuple[Any, ...]:
+) -> tuple[tuple[Any, ...], tuple[str, ...]]:
+    """Angles, standard deviations and flags, and warnings."""
     smooth = {name: median_filter(values, settings.median_window) for name, values in acc.items()}
     lever, body = _turned(smooth, mount)
     found = estimate_angles(lever, body, geometry, form=settings.form)
@@ -314,7 +326,7 @@ def _closed_form(
             lever_sd_mps2=noise,
             body_sd_mps2=0.0 if body is None else noise,
         )
-    return found.steering_rad, found.throttle_rad, *sd, found.valid
+    return (found.steering_rad, found.throttle_rad, *sd, found.valid), found.warnings
 
 
 def _median_warnings(window: int, sampling_rate_hz: float) -> list[str]:

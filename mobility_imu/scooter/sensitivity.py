@@ -18,6 +18,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mobility_imu.arguments import expect
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
     FloatArray,
@@ -364,6 +365,7 @@ def single_imu_range(
     right_rad, left_rad : (...) arrays, rad; -inf and inf where no steering angle saturates. They
         say nothing of the mirror: beyond ``|u| = 90 deg`` an answer comes, but of the mirror image.
     """
+    expect("geometry", geometry, ScooterGeometry)
     x, c1, _ = column_vector(
         body_specific_force(pitch_rad, roll_rad, gravity_mps2=1.0),
         geometry.steering_inclination_rad,
@@ -426,6 +428,7 @@ def _pose(
     throttle_rad: ArrayLike,
     geometry: ScooterGeometry,
 ) -> _Pose:
+    expect("geometry", geometry, ScooterGeometry)
     body = as_vectors(body_acc_mps2, "body_acc_mps2")
     alpha, beta = geometry.steering_inclination_rad, geometry.lever_inclination_rad
     steering, throttle, x, c1, k1 = np.broadcast_arrays(

@@ -67,22 +67,3 @@ def check_triple(value: Any, name: str) -> None:
         raise InputError(f"{name} = {value!r:.60}: expected three numbers")
     for axis, number in zip("xyz", value, strict=True):
         as_number(number, f"{name}, {axis}", negative=True)
-
-
-def check_kind(value: Any, kind: type, name: str) -> None:
-    """Check that an argument is of a class, so that arguments in a wrong order are seen.
-
-    Parameters
-    ----------
-    value : what was given
-    kind : class that is expected
-    name : what to call it in the error message
-
-    Raises
-    ------
-    InputError
-        If it is something else.
-    """
-    if not isinstance(value, kind):
-        shown = " ".join(repr(value).split())
-        raise InputError(f"{name} = {shown:.60}: expected {kind.__name__}")

@@ -14,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 from scipy import linalg
 
+from mobility_imu.arguments import expect
 from mobility_imu.frames import as_count, one_of
 from mobility_imu.simulation.sensor import MTI_1, SensorModel, without
 from mobility_imu.simulation.walker import (
@@ -149,6 +150,7 @@ def tilt_run(
     >>> len(run.tilts), tape == FOOTPRINT
     (4, True)
     """
+    expect("level", level, Level)
     unit = unit_of(seed, pose)
     motion = motion or simulate_tilts(FOOTPRINT, seed=seed, imperfections=level.imperfections)
     run = attach_imu(motion, MOUNTS[pose], level.sensor, seed=unit, unit_seed=unit)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -155,6 +159,42 @@ def test_geometry_from_a_file(tmp_path):
     path.write_text("[scooter]\nsteering_inclination_deg = 20\n")
     with pytest.raises(InputError, match="lever_inclination_deg is missing"):
         ScooterGeometry.from_toml(path)
+
+
+@given(
+    alpha=st.floats(0.0351, 1.535),
+    beta=st.floats(-1.57, 1.57),
+)
+def test_a_geometry_that_was_written_is_the_same_again(alpha, beta):
+    geometry = ScooterGeometry(alpha, beta)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "g.toml"
+        assert geometry.to_toml(path) == path.read_text()
+        again = ScooterGeometry.from_toml(path)
+    # Not every angle in radians has one in degrees that gives all its bits again.
+    assert again.steering_inclination_rad == pytest.approx(alpha, rel=3e-16, abs=0)
+    assert again.lever_inclination_rad == pytest.approx(beta, rel=3e-16, abs=0)
+
+
+def test_what_was_written_needs_no_more_digits_than_it_had(tmp_path):
+    text = "[scooter]\nsteering_inclination_deg = 20\nlever_inclination_deg = 9.123456789\n"
+    path = tmp_path / "g.toml"
+    path.write_text(text)
+    assert ScooterGeometry.from_toml(path).to_toml() == text
+
+
+def test_a_geometry_is_written_whole_or_not_at_all(tmp_path):
+    """Into a folder, or a file that is not there: a sentence, and nothing of the file is lost."""
+    with pytest.raises(InputError, match="is a folder"):
+        SUZUKI_ET4D.to_toml(tmp_path)
+    with pytest.raises(InputError, match="no such folder to write"):
+        SUZUKI_ET4D.to_toml(tmp_path / "none" / "g.toml")
+    path = tmp_path / "g.toml"
+    path.write_text("before")
+    os.chmod(path, 0o600)
+    SUZUKI_ET4D.to_toml(path)
+    assert ScooterGeometry.from_toml(path) == SUZUKI_ET4D
+    assert path.stat().st_mode & 0o777 == 0o600 and list(tmp_path.iterdir()) == [path]
 
 
 # --- angles ---------------------------------------------------------------------------------
@@ -369,6 +409,30 @@ def test_missing_samples_stay_missing_and_alone():
 def test_bad_input_is_refused(lever, body, words):
     with pytest.raises(InputError, match=words):
         estimate_angles(lever, body, SUZUKI_ET4D)
+
+
+@pytest.mark.parametrize("geometry", [None, "ET4D", (0.35, 0.16), ScooterGeometry])
+@pytest.mark.parametrize(
+    "work",
+    [
+        lambda geometry: estimate_angles([LEVEL], None, geometry),
+        lambda geometry: steering_angle(LEVEL, LEVEL, geometry),
+        lambda geometry: throttle_angle(LEVEL, LEVEL, 0.0, geometry),
+        lambda geometry: three_axis_angles(LEVEL, LEVEL, geometry),
+        lambda geometry: lever_acceleration(LEVEL, 0.0, 0.0, geometry),
+        lambda geometry: angle_standard_deviations(LEVEL, 0.0, 0.0, geometry, lever_sd_mps2=0.02),
+    ],
+)
+def test_what_is_no_geometry_is_refused(work, geometry):
+    with pytest.raises(InputError, match=r"geometry: got .*, expected ScooterGeometry"):
+        work(geometry)
+
+
+@pytest.mark.parametrize("name", ["steering_rad", "throttle_rad"])
+def test_angles_that_are_none_have_no_standard_deviation(name):
+    angles = {"steering_rad": 0.0, "throttle_rad": 0.0, name: "0.1"}
+    with pytest.raises(InputError, match=f"{name}: expected real numbers, got text"):
+        angle_standard_deviations(LEVEL, **angles, geometry=SUZUKI_ET4D, lever_sd_mps2=0.02)
 
 
 def test_unknown_form_is_refused():

@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
+from mobility_imu.recording import Imu, Recording
 from mobility_imu.scooter import SUZUKI_ET4D
 from mobility_imu.scooter.calibration import (
     ParkedPose,
@@ -61,8 +62,28 @@ def test_stills_are_found_one_per_pose():
         assert (
             3.0 * k - 0.2 <= parked.time_s[still.start] < parked.time_s[still.stop] <= 3 * k + 2.3
         )
-    with pytest.raises(InputError, match=r"6 still stretches .* expected 5"):
+    with pytest.raises(InputError, match=r"6 still intervals .* expected 5"):
         parked_poses(parked, POSES[:5])
+
+
+@pytest.mark.parametrize(("held", "found"), [(98, 1), (99, 2)])
+@pytest.mark.parametrize("rate_hz", [100, 50])
+def test_a_pose_that_is_held_too_short_is_none_late_in_a_recording_too(held, found, rate_hz):
+    """Rest, then a hold of about a second between two moves.
+
+    The mean over a fifth of a second takes 19 of 100 samples per second off a hold; of the rest
+    0.8 s are asked for.
+    """
+    if rate_hz == 50:
+        held = {98: 48, 99: 49}[held]  # the mean takes 9 of 50
+    still, moving = np.zeros((400, 3)), np.ones((50, 3))
+    gyr = np.concatenate([still, moving, still[:held], moving])
+    acc = np.tile([0.0, 0.0, 9.8], (len(gyr), 1))
+    sensors = {"lever": Imu(acc, gyr)}
+    stills = find_stills(Recording(np.arange(len(gyr)) / rate_hz, sensors))
+    assert len(stills) == found
+    if found == 2:
+        assert 450 < stills[1].start < stills[1].stop < 450 + held
 
 
 def test_too_few_poses():

@@ -139,10 +139,10 @@ def test_rides_are_those_of_the_driving_test():
 def test_courses_of_a_variation():
     assert prediction.curves(1.6) == COURSES["curves"]
     wide = prediction.curves(4.0)
-    turned = np.array([s.length_m * s.curvature_pm for s in wide.stretches]) / (np.pi / 2)
+    turned = np.array([s.length_m * s.curvature_pm for s in wide.segments]) / (np.pi / 2)
     np.testing.assert_allclose(turned, [0, 1, 0, -1, 0, -1, 0, 1, 0])
     other = prediction.course_of("side", prediction.Variation(right_side_up=False))
-    assert [s.bank_rad for s in other.stretches] == [-s.bank_rad for s in COURSES["side"].stretches]
+    assert [s.bank_rad for s in other.segments] == [-s.bank_rad for s in COURSES["side"].segments]
     assert prediction.course_of("tactile", prediction.Variation()) is COURSES["tactile"]
 
 

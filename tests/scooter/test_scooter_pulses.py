@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mobility_imu.errors import InputError
+from mobility_imu.scooter import pulses as module
 from mobility_imu.scooter.pulses import moving_samples, reference_angles, synchronise
 
 
@@ -101,6 +102,22 @@ class TestSynchronise:
         else:
             found = synchronise(ours, theirs, tolerance_s=tolerance)
             assert found == (offset, votes[best])
+
+    def test_the_smallest_offset_of_all_pairs_may_be_the_one(self):
+        """The first of ours and the last of theirs: nothing is proposed before it."""
+        ours = np.array([0.0, 10.0, 10.004])
+        theirs = np.array([2.0, 2.005, 50.0])
+        assert synchronise(ours, theirs) == pytest.approx((-7.9995, 4))
+
+    def test_blocks_of_proposals_have_no_seams(self, monkeypatch):
+        """Pairs are put in order block by block: the answer does not depend on their length."""
+        rng = np.random.default_rng(4)
+        ours = pulses_of_a_ride(rng, 40)
+        theirs = np.sort(np.r_[ours + 3, rng.uniform(0, 12, 30)])
+        whole = synchronise(ours, theirs)
+        for length in (1, 7, 100, 1000):
+            monkeypatch.setattr(module, "PAIRS_IN_ORDER", length)
+            assert synchronise(ours, theirs) == whole
 
     @pytest.mark.parametrize("tolerance", [0, -1, np.nan, "0.02"])
     def test_bad_tolerance(self, tolerance):

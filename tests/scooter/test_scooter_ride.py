@@ -239,7 +239,7 @@ def test_calibration_finds_the_mount_and_says_what_it_cannot_see(tmp_path):
     again = ScooterMount.from_toml(path)
     assert np.allclose(again.rotation_lever_imu_to_lever, found, atol=1e-6)
     assert type(SUZUKI_ET4D).from_toml(path) == SUZUKI_ET4D
-    with pytest.raises(InputError, match=r"parked.csv: 4 still stretches .* expected 3"):
+    with pytest.raises(InputError, match=r"parked.csv: 4 still intervals .* expected 3"):
         calibrate_mount(parked(), POSES[:3], SUZUKI_ET4D)
 
 

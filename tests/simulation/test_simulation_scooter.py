@@ -199,14 +199,14 @@ def test_courses_are_the_papers():
     """Figure 5: 20 m; 7 deg up and 5 deg down; 9 m at 7 deg, right side; the rest is ours."""
     assert set(COURSES) == {"straight", "curves", "slopes", "side", "tactile"}
     assert COURSES["straight"].length_m == 20
-    grades = [stretch.grade_rad for stretch in COURSES["slopes"].stretches]
+    grades = [segment.grade_rad for segment in COURSES["slopes"].segments]
     assert np.allclose(np.rad2deg([max(grades), min(grades)]), [7, -5])
-    side = [stretch for stretch in COURSES["side"].stretches if stretch.bank_rad]
+    side = [segment for segment in COURSES["side"].segments if segment.bank_rad]
     assert len(side) == 1 and side[0].length_m == 9
     assert np.isclose(np.rad2deg(side[0].bank_rad), 7)
-    turns = [stretch.curvature_pm * stretch.length_m for stretch in COURSES["curves"].stretches]
+    turns = [segment.curvature_pm * segment.length_m for segment in COURSES["curves"].segments]
     assert np.isclose(sum(turns), 0) and np.isclose(np.abs(turns).max(), np.pi / 2)
-    assert any(stretch.tactile for stretch in COURSES["tactile"].stretches)
+    assert any(segment.tactile for segment in COURSES["tactile"].segments)
 
 
 @pytest.mark.parametrize("name", COURSES)

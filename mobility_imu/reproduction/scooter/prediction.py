@@ -63,8 +63,8 @@ from mobility_imu.simulation.scooter import (
     Course,
     Reference,
     ScooterUnit,
+    Segment,
     SimulatedRide,
-    Stretch,
     draw_driver,
     simulate_ride,
 )
@@ -178,13 +178,13 @@ def curves(radius_m: float) -> Course:
     -------
     Course
     """
-    stretches = tuple(
-        stretch
-        if stretch.curvature_pm == 0
-        else Stretch(np.pi / 2 * radius_m, float(np.sign(stretch.curvature_pm)) / radius_m)
-        for stretch in COURSES["curves"].stretches
+    segments = tuple(
+        segment
+        if segment.curvature_pm == 0
+        else Segment(np.pi / 2 * radius_m, float(np.sign(segment.curvature_pm)) / radius_m)
+        for segment in COURSES["curves"].segments
     )
-    return Course("curves", stretches)
+    return Course("curves", segments)
 
 
 def course_of(name: str, variation: Variation) -> Course:
@@ -202,8 +202,8 @@ def course_of(name: str, variation: Variation) -> Course:
     if name == "curves":
         return curves(variation.curve_radius_m)
     if name == "side" and not variation.right_side_up:
-        stretches = (one._replace(bank_rad=-one.bank_rad) for one in COURSES[name].stretches)
-        return Course(name, tuple(stretches))
+        segments = (one._replace(bank_rad=-one.bank_rad) for one in COURSES[name].segments)
+        return Course(name, tuple(segments))
     return COURSES[name]
 
 

@@ -6,7 +6,7 @@ centripetal, Euler and Coriolis terms are in what they measure: positions are di
 no formula of an estimator is used.
 """
 
-from mobility_imu.simulation.scooter.course import COURSES, SMOOTH_GROUND, Course, Ground, Stretch
+from mobility_imu.simulation.scooter.course import COURSES, SMOOTH_GROUND, Course, Ground, Segment
 from mobility_imu.simulation.scooter.driver import (
     DRIVER_HZ,
     LARGEST_STEERING_RAD,
@@ -51,9 +51,9 @@ __all__ = [
     "Layout",
     "Reference",
     "ScooterUnit",
+    "Segment",
     "Shaking",
     "SimulatedRide",
-    "Stretch",
     "draw_driver",
     "draw_scooter",
     "simulate_parked",

@@ -5,7 +5,7 @@ Every size is an assumption of ours unless it says where it is from.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -22,7 +22,7 @@ def _deg(value: float) -> float:
     return float(np.deg2rad(value))
 
 
-class Stretch(NamedTuple):
+class Segment(NamedTuple):
     """A piece of a course.
 
     Parameters
@@ -48,7 +48,7 @@ class Course:
     Parameters
     ----------
     name : str
-    stretches : of Stretch, at least one
+    segments : of Segment, at least one
     transition_m : m, slopes change over this length
 
     Raises
@@ -58,30 +58,33 @@ class Course:
     """
 
     name: str
-    stretches: tuple[Stretch, ...]
+    segments: tuple[Segment, ...]
     transition_m: float = 0.8
 
     def __post_init__(self) -> None:
         """Check every part."""
-        object.__setattr__(self, "stretches", tuple(self.stretches))
+        if not isinstance(self.segments, Iterable):
+            got = type(self.segments).__name__
+            raise InputError(f"segments: got {got}, expected a sequence of Segment")
+        object.__setattr__(self, "segments", tuple(self.segments))
         check_positive(self, "transition_m", allow_zero=("transition_m",))
-        if not self.stretches:
-            raise InputError("stretches: none, expected at least one Stretch")
-        for k, stretch in enumerate(self.stretches):
-            where = f"stretches[{k}]"
-            if not isinstance(stretch, Stretch):
-                raise InputError(f"{where} = {stretch!r:.60}: expected a Stretch")
-            as_number(stretch.length_m, f"{where}.length_m")
-            as_number(stretch.curvature_pm, f"{where}.curvature_pm", negative=True)
+        if not self.segments:
+            raise InputError("segments: none, expected at least one Segment")
+        for k, segment in enumerate(self.segments):
+            where = f"segments[{k}]"
+            if not isinstance(segment, Segment):
+                raise InputError(f"{where} = {segment!r:.60}: expected a Segment")
+            as_number(segment.length_m, f"{where}.length_m")
+            as_number(segment.curvature_pm, f"{where}.curvature_pm", negative=True)
             for what in ("grade_rad", "bank_rad"):
-                slope = as_number(getattr(stretch, what), f"{where}.{what}", negative=True)
+                slope = as_number(getattr(segment, what), f"{where}.{what}", negative=True)
                 if abs(slope) > np.pi / 4:
                     raise InputError(f"{where}.{what} = {slope:g}: expected up to pi/4 (in deg?)")
 
     @property
     def length_m(self) -> float:
         """Length along the path, m."""
-        return sum(stretch.length_m for stretch in self.stretches)
+        return sum(segment.length_m for segment in self.segments)
 
     def outline(self, points: int = 60) -> tuple[FloatArray, ...]:
         """Middle line of the course as it is drawn, without run-out and transitions.
@@ -97,13 +100,13 @@ class Course:
         """
         points = as_count(points, "points", least=2)
         start, heading, lines = np.zeros(3), 0.0, []
-        for stretch in self.stretches:
-            along = np.linspace(0, stretch.length_m, points)
-            turn = stretch.curvature_pm * along
+        for segment in self.segments:
+            along = np.linspace(0, segment.length_m, points)
+            turn = segment.curvature_pm * along
             # Chord of an arc: its length, and half of the turn as its direction.
-            chord = along * np.sinc(turn / 2 / np.pi) * np.cos(stretch.grade_rad)
+            chord = along * np.sinc(turn / 2 / np.pi) * np.cos(segment.grade_rad)
             towards = heading + turn / 2
-            height = along * np.sin(stretch.grade_rad)
+            height = along * np.sin(segment.grade_rad)
             lines.append(
                 start + np.column_stack([-chord * np.sin(towards), chord * np.cos(towards), height])
             )
@@ -115,33 +118,33 @@ _CURVE = 1 / 1.6
 
 # Figure 5 names lengths and angles; radii, run-ups and the order are ours, set by hand.
 COURSES = {
-    "straight": Course("straight", (Stretch(20.0),)),
+    "straight": Course("straight", (Segment(20.0),)),
     "curves": Course(
         "curves",
         (
-            Stretch(2.0),
-            Stretch(np.pi / 2 / _CURVE, _CURVE),
-            Stretch(1.0),
-            Stretch(np.pi / 2 / _CURVE, -_CURVE),
-            Stretch(1.0),
-            Stretch(np.pi / 2 / _CURVE, -_CURVE),
-            Stretch(1.0),
-            Stretch(np.pi / 2 / _CURVE, _CURVE),
-            Stretch(2.0),
+            Segment(2.0),
+            Segment(np.pi / 2 / _CURVE, _CURVE),
+            Segment(1.0),
+            Segment(np.pi / 2 / _CURVE, -_CURVE),
+            Segment(1.0),
+            Segment(np.pi / 2 / _CURVE, -_CURVE),
+            Segment(1.0),
+            Segment(np.pi / 2 / _CURVE, _CURVE),
+            Segment(2.0),
         ),
     ),
     "slopes": Course(
         "slopes",
         (
-            Stretch(2.5),
-            Stretch(5.0, grade_rad=_deg(7)),
-            Stretch(2.5),
-            Stretch(7.0, grade_rad=_deg(-5)),
-            Stretch(2.5),
+            Segment(2.5),
+            Segment(5.0, grade_rad=_deg(7)),
+            Segment(2.5),
+            Segment(7.0, grade_rad=_deg(-5)),
+            Segment(2.5),
         ),
     ),
-    "side": Course("side", (Stretch(2.0), Stretch(9.0, bank_rad=_deg(7)), Stretch(2.0))),
-    "tactile": Course("tactile", (Stretch(2.0), Stretch(10.0, tactile=True), Stretch(2.0))),
+    "side": Course("side", (Segment(2.0), Segment(9.0, bank_rad=_deg(7)), Segment(2.0))),
+    "tactile": Course("tactile", (Segment(2.0), Segment(10.0, tactile=True), Segment(2.0))),
 }
 """The five courses of Figure 5 by name."""
 
@@ -202,15 +205,15 @@ def level_at(course: Course, distance: FloatArray, what: str, blend_m: float) ->
     ----------
     course : Course
     distance : (n,) array, m, along the path
-    what : field of Stretch
+    what : field of Segment
     blend_m : m, length of a change; 0 for jumps
 
     Returns
     -------
     (n,) array
     """
-    ends = np.cumsum([stretch.length_m for stretch in course.stretches])[:-1]
-    values = [float(getattr(stretch, what)) for stretch in course.stretches]
+    ends = np.cumsum([segment.length_m for segment in course.segments])[:-1]
+    values = [float(getattr(segment, what)) for segment in course.segments]
     level = np.full(len(distance), values[0])
     for end, step in zip(ends, np.diff(values), strict=True):
         if blend_m == 0:

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number
+from mobility_imu.frames import FloatArray, as_floats, as_number
 from mobility_imu.recording import Recording
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.scooter.geometry import SUZUKI_ET4D, ScooterGeometry
@@ -62,9 +63,12 @@ def simulate_parked(
     Raises
     ------
     InputError
-        If there is no pose, a slope is above pi/4, or the seed is negative or not whole.
+        If a part is of another class, there is no pose, a slope is above pi/4, or the seed is
+        negative or not whole.
     """
-    unit = unit or ScooterUnit()
+    expect("geometry", geometry, ScooterGeometry)
+    expect("sensor", sensor, SensorModel)
+    unit = settings_or_default("unit", unit, ScooterUnit)
     for name, angle in (("pitch_rad", pitch_rad), ("bank_rad", bank_rad)):
         if abs(as_number(angle, name, negative=True)) > np.pi / 4:
             raise InputError(f"{name} = {angle:g}: expected up to pi/4 (in deg?)")
@@ -98,7 +102,7 @@ def _real_stops(
     settings_rad: Sequence[tuple[float, float]], stop_sd_rad: float, seed: int
 ) -> FloatArray:
     """Angles where the controls really stop, (k, 2), rad; one error for each different angle."""
-    believed = np.array(settings_rad, float)
+    believed = as_floats(settings_rad, "settings_rad")
     if believed.ndim != 2 or believed.shape[1:] != (2,) or not np.isfinite(believed).all():
         raise InputError(
             "settings_rad: expected one pair (steering, throttle) of finite numbers for each pose"

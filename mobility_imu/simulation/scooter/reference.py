@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mobility_imu._compiled import compiled
+from mobility_imu._compiled import choose, compiled
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_series
 from mobility_imu.simulation.scooter.driver import ScooterMotion
 from mobility_imu.simulation.scooter.parts import Reference
+
+_PLAIN_S_PER_SAMPLE = 0.5e-6
 
 
 def read_reference(
@@ -70,11 +72,14 @@ def with_play(angle_rad: ArrayLike, width_rad: float) -> FloatArray:
     if not len(angle):
         raise InputError("angle_rad: 0 samples, expected at least 1")
     width = as_number(width_rad, "width_rad", zero=True)
-    return np.asarray(_with_play(angle, width))
+    given, plain_s = (angle, width), len(angle) * _PLAIN_S_PER_SAMPLE
+    # Comparing and adding are exact: both ways give the same bytes.
+    if choose({_followed: given}, plain_s=plain_s, what="backlash of the wires") == "compiled":
+        return np.asarray(_followed(*given))
+    return _follow(*given)
 
 
-@compiled()
-def _with_play(angle: FloatArray, width: float) -> FloatArray:
+def _follow(angle: FloatArray, width: float) -> FloatArray:
     """Follow sample by sample."""
     out = np.empty_like(angle)
     follower = angle[0]
@@ -82,3 +87,6 @@ def _with_play(angle: FloatArray, width: float) -> FloatArray:
         follower = min(max(follower, angle[k] - width / 2), angle[k] + width / 2)
         out[k] = follower
     return out
+
+
+_followed = compiled()(_follow)

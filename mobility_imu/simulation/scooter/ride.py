@@ -9,6 +9,7 @@ import numpy as np
 from scipy import interpolate, signal
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number
 from mobility_imu.recording import Recording
@@ -22,7 +23,6 @@ from mobility_imu.scooter.geometry import (
     rotation_steering_column_to_body,
     rotation_steering_to_column,
 )
-from mobility_imu.simulation.checks import check_kind
 from mobility_imu.simulation.kinematics import felt_by_imu
 from mobility_imu.simulation.scooter.course import Course, Ground, ground_line, level_at
 from mobility_imu.simulation.scooter.driver import SPEED_LIMIT_MPS, Driver, ScooterMotion, drive
@@ -109,20 +109,24 @@ def simulate_ride(
     Raises
     ------
     InputError
-        If the sensor loses samples or jitters, the sampling rate is not positive or above FAST_HZ,
-        or the seed is negative or not whole.
+        If a part is of another class, the sensor loses samples or jitters, the sampling rate is not
+        positive or above FAST_HZ, or the seed is negative or not whole.
     """
-    check_kind(course, Course, "course")
-    check_kind(geometry, ScooterGeometry, "geometry")
-    check_kind(sensor, SensorModel, "sensor")
+    expect("course", course, Course)
+    expect("geometry", geometry, ScooterGeometry)
+    expect("sensor", sensor, SensorModel)
     sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
     if sensor.dropped_share > 0 or sensor.clock_jitter_s > 0:
         raise InputError(
             "sensor: lost samples and jitter differ between the two IMUs of a ride, whose samples "
             "are paired here; expected dropped_share = 0 and clock_jitter_s = 0"
         )
-    unit, driver, layout = unit or ScooterUnit(), driver or Driver(), layout or Layout()
-    ground, shaking = ground or Ground(), shaking or Shaking()
+    unit = settings_or_default("unit", unit, ScooterUnit)
+    driver = settings_or_default("driver", driver, Driver)
+    layout = settings_or_default("layout", layout, Layout)
+    ground = settings_or_default("ground", ground, Ground)
+    shaking = settings_or_default("shaking", shaking, Shaking)
+    reference = settings_or_default("reference", reference, Reference)
     rng = stream(seed, 13)
     motion = drive(course, driver, layout, geometry, rng)
     time_s = np.arange(0.0, motion.time_s[-1], 1 / FAST_HZ)
@@ -146,7 +150,7 @@ def simulate_ride(
             seed=2 * seed + k,
             unit_seed=2 * unit.unit_seed + k,
         )
-    wires = read_reference(fast, reference or Reference(), sampling_rate_hz, rng)
+    wires = read_reference(fast, reference, sampling_rate_hz, rng)
     return _as_ride(course, outputs, wires, time_s, fast)
 
 

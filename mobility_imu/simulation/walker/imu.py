@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.arguments import expect
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_rotation
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
-from mobility_imu.simulation.checks import check_kind
 from mobility_imu.simulation.sensor import MTI_1, SensorModel, measure
 from mobility_imu.simulation.walker.motion import FAST_HZ, StepTruth, TiltTruth, WalkerMotion
 from mobility_imu.walker.mount import WalkerMount
@@ -130,9 +130,9 @@ def attach_imu(
         If the sensor loses samples, which no Recording allows, the sampling rate is not positive
         or above FAST_HZ, or a seed is negative or not whole.
     """
-    check_kind(motion, WalkerMotion, "motion")
-    check_kind(mount, WalkerMount, "mount")
-    check_kind(sensor, SensorModel, "sensor")
+    expect("motion", motion, WalkerMotion)
+    expect("mount", mount, WalkerMount)
+    expect("sensor", sensor, SensorModel)
     axes, arm = mount.rotation_imu_to_body, mount.translation_body_m
     force = motion.specific_force_mps2 + motion.arm_per_s2 @ arm
     output = measure(

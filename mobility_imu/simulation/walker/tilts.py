@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.arguments import settings_or_default
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
-from mobility_imu.simulation.checks import check_kind, check_ranges
+from mobility_imu.simulation.checks import check_ranges
 from mobility_imu.simulation.profiles import least_jerk, window
 from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.walker.motion import (
@@ -85,9 +85,9 @@ def simulate_tilts(
     InputError
         If there is no tilt, a direction is unknown, or the seed is negative or not whole.
     """
-    check_kind(geometry, WalkerGeometry, "geometry")
+    expect("geometry", geometry, WalkerGeometry)
     style = settings_or_default("style", style, TiltStyle)
-    check_kind(imperfections, Imperfections, "imperfections")
+    expect("imperfections", imperfections, Imperfections)
     if isinstance(order, str) or not isinstance(order, Sequence) or not order:
         raise InputError(f"order = {shown(order)}: expected at least one direction in a sequence")
     edges = [geometry.edge(direction) for direction in order]
@@ -166,8 +166,8 @@ def measured_geometry(
     -------
     WalkerGeometry
     """
-    check_kind(geometry, WalkerGeometry, "geometry")
-    check_kind(imperfections, Imperfections, "imperfections")
+    expect("geometry", geometry, WalkerGeometry)
+    expect("imperfections", imperfections, Imperfections)
     width, length = imperfections.tape_m * stream(seed, 33).standard_normal(2)
     return WalkerGeometry(
         geometry.footprint_width_m + float(width), geometry.footprint_length_m + float(length)

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.arguments import settings_or_default
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, shown
-from mobility_imu.simulation.checks import check_kind, check_ranges
+from mobility_imu.simulation.checks import check_ranges
 from mobility_imu.simulation.profiles import hump, smooth, window
 from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.walker.motion import (
@@ -138,7 +138,7 @@ def simulate_walk(
         negative or not whole.
     """
     style = settings_or_default("style", style, WalkStyle)
-    check_kind(imperfections, Imperfections, "imperfections")
+    expect("imperfections", imperfections, Imperfections)
     legs = isinstance(path, Sequence) and len(path) and all(isinstance(leg, Leg) for leg in path)
     if not legs:
         raise InputError(f"path = {shown(path)}: expected at least one Leg in a sequence")
@@ -303,6 +303,8 @@ def _plan(
     lift_s = style.first_still_s + np.r_[0.0, np.cumsum(swing + stance)[:-1]]
     facing = np.cumsum(turn) - turn
     made = lift_s < style.first_still_s + (np.inf if duration_s is None else duration_s)
+    if not made.any():  # so short that the sum is not later than the first lift
+        raise InputError(f"duration_s = {duration_s:g}: no step begins in so short a time")
     return _Plan(*(part[made] for part in (length, turn, facing, lift_s, swing, lift, pitch)))
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from scipy import integrate
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
@@ -27,7 +28,6 @@ from mobility_imu.frames import (
 from mobility_imu.recording import HIGHEST_RATE_HZ, Imu
 from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
-from mobility_imu.simulation.checks import check_kind
 from mobility_imu.simulation.profiles import least_jerk, least_jerk_bend, least_jerk_slope
 from mobility_imu.simulation.seeds import stream
 from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry, side_sign
@@ -142,7 +142,7 @@ def check_legs(legs: Sequence[Leg], transition_s: float) -> float:
     if not legs:
         raise InputError("legs: none, expected at least one Leg")
     for leg in legs:
-        check_kind(leg, Leg, "legs")
+        expect("legs", leg, Leg)
         if leg.duration_s < transition_s:
             raise InputError(
                 f"leg of {leg.duration_s} s is shorter than a change of {transition_s} s"
@@ -170,6 +170,33 @@ def checked_rate(sampling_rate_hz: float) -> float:
     if rate > HIGHEST_RATE_HZ:
         raise InputError(f"sampling_rate_hz = {rate:g}: expected up to {HIGHEST_RATE_HZ:g} Hz")
     return rate
+
+
+def samples_of(legs: Sequence[Leg], sampling_rate_hz: float) -> int:
+    """Number of samples of a drive along legs.
+
+    Parameters
+    ----------
+    legs : of Leg
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    int, 2 or more
+
+    Raises
+    ------
+    InputError
+        If the drive is over before the second sample.
+    """
+    duration_s = sum(leg.duration_s for leg in legs)
+    count = round(duration_s * sampling_rate_hz)
+    if count < 2:
+        raise InputError(
+            f"sampling_rate_hz = {sampling_rate_hz:g}: {count} sample(s) in the {duration_s:g} s "
+            "of the legs, expected at least 2"
+        )
+    return count
 
 
 def stepped(
@@ -270,11 +297,11 @@ def check_mounting(mounting: Mapping[str, Mounting]) -> None:
     InputError
         If one is missing or is no Mounting.
     """
-    check_kind(mounting, Mapping, "mounting")
+    expect("mounting", mounting, Mapping)
     for name in ("frame", *(f"{side}_wheel" for side in SIDES)):
         if name not in mounting:
             raise InputError(f"mounting: {name!r} is missing, expected a Mounting for it")
-        check_kind(mounting[name], Mounting, f"mounting[{name!r}]")
+        expect(f"mounting[{name!r}]", mounting[name], Mounting)
 
 
 def frame_imu(motion: ChairMotion, mounting: Mounting) -> Imu:

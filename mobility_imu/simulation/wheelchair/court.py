@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mobility_imu.arguments import settings_or_default
+from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_count, as_number
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.simulation.checks import check_kind
 from mobility_imu.simulation.sensor import SensorModel, measure
 from mobility_imu.simulation.wheelchair.chair import (
     SIDES,
@@ -24,6 +23,7 @@ from mobility_imu.simulation.wheelchair.chair import (
     check_mounting,
     checked_rate,
     frame_imu,
+    samples_of,
     sloping,
     stepped,
     wheel_imu,
@@ -119,14 +119,14 @@ def simulate_court(
     """
     transition_s = check_legs(legs, transition_s)
     check_mounting(mounting)
-    check_kind(geometry, WheelchairGeometry, "geometry")
+    expect("geometry", geometry, WheelchairGeometry)
     sampling_rate_hz = checked_rate(sampling_rate_hz)
     if abs(as_number(toe_rad, "toe_rad", negative=True)) > np.pi / 4:
         raise InputError(f"toe_rad = {toe_rad:g}: expected up to pi/4 (in deg?)")
     seeds = as_count(seed, "seed", least=0), as_count(unit_seed, "unit_seed", least=0)
     _check_model(model)
     _check_slips(slips)
-    count = round(sum(leg.duration_s for leg in legs) * sampling_rate_hz)
+    count = samples_of(legs, sampling_rate_hz)
     # A sensor model samples by itself, out of something faster.
     finer = 1 if model is None else FINER
     time_s = np.arange((count - 1) * finer + 1) / (sampling_rate_hz * finer)
@@ -167,13 +167,13 @@ def _check_slips(slips: Sequence[SlipEpisode]) -> None:
     if not isinstance(slips, Sequence):
         raise InputError(f"slips: got {type(slips).__name__}, expected a list of SlipEpisode")
     for slip in slips:
-        check_kind(slip, SlipEpisode, "slips")
+        expect("slips", slip, SlipEpisode)
 
 
 def _check_model(model: SensorModel | None) -> None:
     if model is None:
         return
-    check_kind(model, SensorModel, "model")
+    expect("model", model, SensorModel)
     if model.dropped_share:
         raise InputError(
             f"dropped_share = {model.dropped_share}: the three sensors need one clock, expected 0"

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, shown
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
-from mobility_imu.simulation.checks import check_kind
 from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.sensor import IDEAL, SensorModel, SensorNoise
 from mobility_imu.simulation.wheelchair.chair import (
@@ -25,6 +25,7 @@ from mobility_imu.simulation.wheelchair.chair import (
     check_mounting,
     checked_rate,
     frame_imu,
+    samples_of,
     sloping,
     stepped,
     wheel_imu,
@@ -134,7 +135,7 @@ def simulate_drive(
     """
     transition_s = check_legs(legs, transition_s)
     check_mounting(mounting)
-    check_kind(geometry, WheelchairGeometry, "geometry")
+    expect("geometry", geometry, WheelchairGeometry)
     sampling_rate_hz = checked_rate(sampling_rate_hz)
     if as_number(push_share, "push_share", zero=True) >= 1:
         raise InputError(f"push_share = {push_share:g}: expected from 0 to below 1")
@@ -148,7 +149,7 @@ def simulate_drive(
     for leg in legs:
         if leg.slope_deg:
             raise InputError(f"slope_deg = {leg.slope_deg:g}: this drive is on a flat floor")
-    count = round(sum(leg.duration_s for leg in legs) * sampling_rate_hz)
+    count = samples_of(legs, sampling_rate_hz)
     time_s = np.arange(count) / sampling_rate_hz
     ends = np.cumsum([leg.duration_s for leg in legs])[:-1]
     speed, speed_change, _ = stepped(
