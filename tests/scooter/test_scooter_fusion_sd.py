@@ -242,10 +242,10 @@ def test_flexing_and_noise_of_a_locked_axis_are_told_apart():
     rng = np.random.default_rng(6)
     n = 60_000
     angle = ndimage.gaussian_filter1d(rng.standard_normal(n), 8)
-    angle *= 0.05 / np.std(angle)
+    angle *= 0.01 / np.std(angle)
     rates = np.gradient(angle, 0.01) + 0.004 * 10 * rng.standard_normal(n) + 0.02
     bounded, density = bounded_and_wandering(rates, 100.0)
-    assert bounded == pytest.approx(0.05, rel=0.15) and density == pytest.approx(0.004, rel=0.3)
+    assert bounded == pytest.approx(0.01, rel=0.15) and density == pytest.approx(0.004, rel=0.3)
     assert bounded_and_wandering(rates[:20], 100.0) == (0.0, 0.0)
 
 
