@@ -3,7 +3,7 @@
 What changes from sample to sample is the state: both angles, the drift of both hinges' rates, and a
 disturbance of the lever's acceleration. What stays, errors of the sensors and lever arms, are
 constants. Each state keeps its derivative by the constants, so that the many constants cost no
-large covariance (Friedman's separated bias estimation, IEEE Trans. Autom. Control 14, 1969). The
+large covariance (Friedland's separated bias estimation, IEEE Trans. Autom. Control 14, 1969). The
 result is that of a filter that has state and constants in one vector.
 """
 
