@@ -309,7 +309,8 @@ def _measured(
     """Settings with what the residuals and the locked axis of a first pass show."""
     found: dict[str, float | None] = {}
     # While it learns the constants, the residuals are not yet noise.
-    noise = white_and_coloured(seen.residuals[len(seen.residuals) // 10 :], rate_hz)
+    settled = seen.residuals[len(seen.residuals) // 10 :]
+    noise = white_and_coloured(settled, rate_hz, settings.disturbance_time_s)
     if noise is not None:
         assert first.acc_step_mps2 is not None
         found["acc_sd_mps2"] = max(noise[0], first.acc_step_mps2)

@@ -18,6 +18,8 @@ SMALLEST_NOISE_MPS2 = 1e-3
 """Noise that :func:`acceleration_noise` finds at least; no accelerometer of a scooter has less."""
 COLOURED_AFTER_S = 1.0
 """Time after which a coloured disturbance has forgotten itself."""
+KEPT_BY_MEANS = 2 * float(np.exp(-1.0))
+"""Variance of a Gauss-Markov noise that its mean over one correlation time keeps."""
 TURNS_AFTER_S = (2.0, 8.0)
 """Two intervals over which flexing, which is bounded, and noise, which adds up, differ."""
 FEWEST_SAMPLES = 50
@@ -87,30 +89,38 @@ def _spread(values: FloatArray) -> FloatArray:
 
 
 def white_and_coloured(
-    residuals: FloatArray, sampling_rate_hz: float
+    residuals: FloatArray, sampling_rate_hz: float, correlation_time_s: float
 ) -> tuple[float, float] | None:
-    """White and coloured part of a noise, from its changes over one sample and over a second.
+    """White and coloured part of a noise, from the changes of its means and of itself.
 
-    White noise changes as much in a sample as in a second; a coloured one changes more, the longer
-    one waits, until it has forgotten itself: ``sd² = change² / 2``. Of the axes the worst counts.
+    Means over one correlation time keep a coloured noise (0.736 of a Gauss-Markov one's variance),
+    while white noise and fast vibration leave them; what is left of the whole is white. Changes
+    over a second are compared, so that constants do not matter: ``sd² = change² / 2``. Of the axes
+    the worst counts.
 
     Parameters
     ----------
     residuals : (n, 3) array
     sampling_rate_hz : Hz
+    correlation_time_s : s, of the coloured part
 
     Returns
     -------
     white, coloured : standard deviations in the residuals' unit; None for fewer than
-        ``FEWEST_SAMPLES``, or less than two seconds
+        ``FEWEST_SAMPLES``, or less than ten times a second and the correlation time
     """
-    wait = round(COLOURED_AFTER_S * sampling_rate_hz)
-    if len(residuals) < max(FEWEST_SAMPLES, 2 * wait):
+    block = max(1, round(correlation_time_s * sampling_rate_hz))
+    apart = round(COLOURED_AFTER_S * sampling_rate_hz)
+    blocks, wait = len(residuals) // block, -(-apart // block)
+    if len(residuals) < max(FEWEST_SAMPLES, 10 * apart) or blocks < 10 * wait:
         return None
-    soon, late = (
-        float(_spread(residuals[step:] - residuals[:-step]).max()) ** 2 / 2 for step in (1, wait)
+    means = residuals[: blocks * block].reshape(blocks, block, 3).mean(axis=1)
+    whole, slow, fast = (
+        float(_spread(values[step:] - values[:-step]).max()) ** 2 / 2
+        for values, step in ((residuals, apart), (means, wait), (residuals, 1))
     )
-    return soon**0.5, max(0.0, late - soon) ** 0.5
+    coloured = max(0.0, slow - fast / block) / (KEPT_BY_MEANS if block > 1 else 1.0)
+    return max(fast, whole - coloured) ** 0.5, coloured**0.5
 
 
 def bounded_and_wandering(rates: FloatArray, sampling_rate_hz: float) -> tuple[float, float]:

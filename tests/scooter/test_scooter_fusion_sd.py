@@ -233,9 +233,9 @@ def test_white_and_coloured_noise_are_told_apart():
     slow = np.zeros((n, 3))
     for k in range(1, n):
         slow[k] = decay * slow[k - 1] + 0.3 * np.sqrt(1 - decay**2) * rng.standard_normal(3)
-    white, coloured = white_and_coloured(0.2 * rng.standard_normal((n, 3)) + slow, 100.0)
+    white, coloured = white_and_coloured(0.2 * rng.standard_normal((n, 3)) + slow, 100.0, 0.3)
     assert white == pytest.approx(0.2, rel=0.15) and coloured == pytest.approx(0.3, rel=0.15)
-    assert white_and_coloured(slow[:100], 100.0) is None
+    assert white_and_coloured(slow[:100], 100.0, 0.3) is None
 
 
 def test_flexing_and_noise_of_a_locked_axis_are_told_apart():
