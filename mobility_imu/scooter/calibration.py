@@ -243,9 +243,9 @@ def mount_from_poses(
         f"the poses tell little of the turn of the {name}: park at another slope as well"
         for name in unseen
     )
-    turns = (Rotation.from_rotvec(part).as_matrix() for part in (found.x[:3], found.x[3:]))
+    lever, body = (Rotation.from_rotvec(part).as_matrix() for part in (found.x[:3], found.x[3:]))
     return ScooterCalibration(
-        ScooterMount(*turns, sd_rad=sd), sd, unseen, geometry, warnings, pose_sd, prior_sd
+        ScooterMount(lever, body, sd), sd, unseen, geometry, warnings, pose_sd, prior_sd
     )
 
 
