@@ -178,7 +178,7 @@ def learnt(with_arms):
 
 
 def test_constants_of_the_model_have_the_stated_covariance():
-    """Normalised squared error of all 39 constants, of readings made by the model itself: its mean is 1 for each.
+    """Normalised squared error of all 39 constants, of readings that the model made: 1 for each.
 
     Without arms: the filter leaves out that an arm's effect depends on the gyroscope's scale.
     """
