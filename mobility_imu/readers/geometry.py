@@ -24,7 +24,11 @@ SECTIONS = (
 )
 """Every section that a geometry file may have."""
 MOUNT_KEYS: dict[str, tuple[str, ...]] = {
-    "scooter.mount": ("rotation_lever_imu_to_lever", "rotation_body_imu_to_body"),
+    "scooter.mount": (
+        "rotation_lever_imu_to_lever",
+        "rotation_body_imu_to_body",
+        "sd_rad",
+    ),
     "wheelchair.mount": (
         "rotation_left_imu_to_wheel",
         "rotation_right_imu_to_wheel",

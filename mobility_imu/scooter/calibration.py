@@ -113,7 +113,7 @@ class ScooterCalibration(Result):
     prior_sd_rad: float = PRIOR_SD_RAD
 
     def to_toml(self, path: str | Path | None = None) -> str:
-        """Text of a geometry file with geometry, mount and, as a comment, standard deviations.
+        """Text of a geometry file with geometry, mount and standard deviations.
 
         Parameters
         ----------
@@ -243,9 +243,9 @@ def mount_from_poses(
         f"the poses tell little of the turn of the {name}: park at another slope as well"
         for name in unseen
     )
-    turns = (Rotation.from_rotvec(part).as_matrix() for part in (found.x[:3], found.x[3:]))
+    lever, body = (Rotation.from_rotvec(part).as_matrix() for part in (found.x[:3], found.x[3:]))
     return ScooterCalibration(
-        ScooterMount(*turns), sd, unseen, geometry, warnings, pose_sd, prior_sd
+        ScooterMount(lever, body, sd), sd, unseen, geometry, warnings, pose_sd, prior_sd
     )
 
 

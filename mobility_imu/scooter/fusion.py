@@ -1,27 +1,57 @@
 """Steering and throttle angles from accelerometers and gyroscopes together.
 
 The two controls are hinges: what the lever's gyroscope reads beyond the body's is their motion.
-An extended Kalman filter integrates that, corrects it with eq. 5 sample by sample, and learns the
-difference of the gyroscopes' biases; a Rauch-Tung-Striebel pass then lets each angle use the whole
-recording. A complementary filter stands beside it, as a simpler baseline.
+An extended Kalman filter integrates that, corrects it with eq. 5 sample by sample, and learns what
+is constant: the sensors' offsets, scales and misalignments, and the lever arms between them. A
+Rauch-Tung-Striebel pass then lets each angle use the whole recording. A complementary filter stands
+beside it, as a simpler baseline.
 """
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from mobility_imu._compiled import compiled
+from mobility_imu._compiled import choose, compiled
+from mobility_imu.arguments import settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number, as_vectors, check_positive
-from mobility_imu.hinges import hinge_rates, tip_reading
+from mobility_imu.frames import FloatArray, as_number, as_vectors
+from mobility_imu.hinges import column_vector, hinge_rates, steered
 from mobility_imu.results import Result
 from mobility_imu.scooter.angles import check_gravity, three_axis_angles
+from mobility_imu.scooter.fusion_filter import (
+    ARMS,
+    BODY,
+    CONSTANTS,
+    STATES,
+    Chunk,
+    Estimate,
+    Inputs,
+    Model,
+    plain,
+    run_filter,
+    run_smoother,
+)
+from mobility_imu.scooter.fusion_noise import (
+    acceleration_noise,
+    bounded_and_wandering,
+    smallest_step,
+    white_and_coloured,
+)
+from mobility_imu.scooter.fusion_settings import (
+    FROM_THE_RECORDING,
+    SETTING_LIMITS,
+    SMALLEST_DISTURBANCE_MPS2,
+    SMALLEST_RATE_NOISE,
+    FusionSettings,
+)
 from mobility_imu.scooter.geometry import ScooterGeometry
 
 if TYPE_CHECKING:
@@ -30,73 +60,27 @@ if TYPE_CHECKING:
 __all__ = [
     "FusedAngles",
     "FusionSettings",
-    "acceleration_noise",
     "complementary_angles",
     "fuse_angles",
     "move_specific_force",
 ]
 
-SLOPE_SMOOTHING_S = 0.3
-"""Time constant of the acceleration from which the filter takes its derivatives."""
+SPIN_SMOOTHING_S = 0.02
+"""Width of the Gaussian over which the rates' derivatives are taken."""
 LARGEST_VALID_SD_RAD = float(np.deg2rad(20.0))
 """Standard deviation of the steering from which a sample is not valid."""
-SMALLEST_NOISE_MPS2 = 1e-3
-"""Noise that :func:`acceleration_noise` finds at least; no accelerometer of a scooter has less."""
 SLOWEST_RATE_HZ = 10.0
 """Sampling rate below which the rates cannot be integrated; the controls turn within 0.1 s."""
 LARGEST_ACC_MPS2 = 2000.0
 """Largest component of an acceleration, m/s²; beyond what such sensors measure (200 g)."""
 LARGEST_RATE_RADPS = 100.0
 """Largest component of a rate, rad/s; beyond what such sensors measure (4000 deg/s is 70)."""
-# Beyond these the squares in the filter's matrices lose all digits.
-SETTING_LIMITS = {
-    "acc_sd_mps2": (1e-4, 1e8),
-    "rate_noise_radps_sqrthz": (1e-6, 10.0),
-    "bias_sd_radps": (1e-8, 10.0),
-    "bias_walk_radps": (1e-10, 10.0),
-    "huber": (1e-3, 1e8),
-}
-"""Smallest and largest value of each setting of the filter."""
-
-
-@dataclass(frozen=True)
-class FusionSettings:
-    """Assumed noise model of the filter.
-
-    Parameters
-    ----------
-    acc_sd_mps2 : m/s², sd per axis of the difference between the lever's acceleration and what
-        eq. 5 makes of the body's; None takes it from the recording, see :func:`acceleration_noise`
-    rate_noise_radps_sqrthz : rad/s per square root of Hz, density of the noise of the difference
-        of the rates (two gyroscopes, flexing); at 100 Hz the default is 0.01 rad/s per sample
-    bias_sd_radps : rad/s, how far the rates' bias may be off at the start
-    bias_walk_radps : rad/s per square root of s, how fast it may wander
-    huber : residuals beyond this many sd count less
-
-    Raises
-    ------
-    InputError
-        If a value is no positive number, or beyond what can be computed with.
-    """
-
-    acc_sd_mps2: float | None = None
-    rate_noise_radps_sqrthz: float = 0.001
-    bias_sd_radps: float = 0.01
-    bias_walk_radps: float = 1e-4
-    huber: float = 2.0
-
-    def __post_init__(self) -> None:
-        """Check every number."""
-        names = [field.name for field in dataclasses.fields(self)]
-        given = [name for name in names if name != "acc_sd_mps2" or self.acc_sd_mps2 is not None]
-        check_positive(self, *given)
-        for name in given:
-            low, high = SETTING_LIMITS[name]
-            if not low <= getattr(self, name) <= high:
-                raise InputError(
-                    f"FusionSettings.{name} = {getattr(self, name):g}: expected between {low:g} "
-                    f"and {high:g}"
-                )
+START_SD_RAD = 0.35
+"""How far the first angles may be off."""
+PLAIN_S_PER_SAMPLE = 3e-4
+"""Seconds that both passes take for a sample where nothing is compiled."""
+CHUNK_SAMPLES = 20_000
+"""Samples of which the smoother keeps everything at once; for more the filter runs again."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -106,10 +90,11 @@ class FusedAngles(Result):
     Parameters
     ----------
     steering_rad, throttle_rad : (n,) arrays, rad
-    steering_sd_rad, throttle_sd_rad : (n,) arrays, rad, one standard deviation
+    steering_sd_rad, throttle_sd_rad : (n,) arrays, rad, one standard deviation: noise, errors of
+        the sensors and of their mounting, flexing, and the clock
     valid : (n,) bool array: the numbers are finite, and the sd of the steering is below
         ``LARGEST_VALID_SD_RAD``
-    settings : FusionSettings, with the noise that was taken from the recording
+    settings : FusionSettings, with what was taken from the recording
     warnings : sentences for the user
     """
 
@@ -143,49 +128,6 @@ class _Readings(NamedTuple):
     lever_gyr: FloatArray
     body_acc: FloatArray
     body_gyr: FloatArray
-
-
-def acceleration_noise(lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike) -> float:
-    """Noise of eq. 5 per axis, from the lengths of the two accelerations.
-
-    Whatever the angles, both IMUs should measure the same length; the spread of the difference
-    (robust, from the median absolute deviation) is the noise along one direction. Readings that
-    repeat themselves, of a coarse or a dead converter, have no spread that means anything: the
-    noise is one step of the converter at least, and ``SMALLEST_NOISE_MPS2``.
-
-    Parameters
-    ----------
-    lever_acc_mps2, body_acc_mps2 : (n, 3) arrays, m/s², best in the sensors' own axes, where the
-        steps of the converters show
-
-    Returns
-    -------
-    float, m/s²
-
-    Raises
-    ------
-    InputError
-        If the arrays differ in shape, are empty, or hold a number that is not finite.
-
-    Examples
-    --------
-    >>> parked = np.tile([0.0, 0.0, 9.81], (100, 1))
-    >>> acceleration_noise(parked, parked)
-    0.001
-    """
-    lever = as_vectors(lever_acc_mps2, "lever_acc_mps2", ndim=2, finite=True)
-    body = as_vectors(body_acc_mps2, "body_acc_mps2", length=len(lever), finite=True)
-    if not len(lever):
-        raise InputError("lever_acc_mps2: no sample, expected at least one")
-    apart = np.linalg.norm(lever, axis=1) - np.linalg.norm(body, axis=1)
-    spread = float(1.4826 * np.median(np.abs(apart - np.median(apart))))
-    return max(spread, SMALLEST_NOISE_MPS2, _step(lever), _step(body))
-
-
-def _step(values: FloatArray) -> float:
-    """Smallest step between the readings of a sensor; 0 if they all are the same."""
-    steps = [np.diff(np.unique(axis)) for axis in values.T]
-    return min((float(step.min()) for step in steps if len(step)), default=0.0)
 
 
 def move_specific_force(
@@ -237,7 +179,10 @@ def fuse_angles(
 ) -> FusedAngles:
     """Angles by an extended Kalman filter and, unless ``smooth=False``, an RTS smoother.
 
-    State: steering, throttle, and the bias of both hinges' rates. It starts from the median of the
+    State: steering, throttle, drift of both hinges' rates, and a coloured disturbance of the
+    acceleration; beside it the constants of :class:`FusionSettings`, which it learns as far as the
+    recording shows them, and whose uncertainty stays in the angles' as far as it does not. A first
+    pass finds the sizes that the settings leave to the recording. It starts from the median of the
     first half second, so the scooter should be still there, or steered slowly.
 
     Parameters
@@ -246,7 +191,7 @@ def fuse_angles(
     body_acc_mps2, body_gyr_radps : (n, 3) arrays, m/s² and rad/s, in {B}, all finite
     sampling_rate_hz : Hz, even samples, at least ``SLOWEST_RATE_HZ``
     geometry : ScooterGeometry
-    settings : FusionSettings; None is the default, with the noise taken from the recording
+    settings : FusionSettings; None is the default, with the noises taken from the recording
     smooth : whether each angle uses the whole recording; False uses the past only
 
     Returns
@@ -263,31 +208,242 @@ def fuse_angles(
         such sensor measures; a sampling rate that is too low; accelerations in g, or with gravity
         in the wrong direction.
     """
-    settings = FusionSettings() if settings is None else settings
+    settings = settings_or_default("settings", settings, FusionSettings)
     readings, rate_hz = _checked(
         lever_acc_mps2, lever_gyr_radps, body_acc_mps2, body_gyr_radps, sampling_rate_hz, geometry
     )
-    if settings.acc_sd_mps2 is None:
-        noise = acceleration_noise(readings.lever_acc, readings.body_acc)
-        settings = dataclasses.replace(settings, acc_sd_mps2=noise)
-    assert settings.acc_sd_mps2 is not None
-    start, slow = _start(readings, rate_hz, geometry)
-    dt = 1 / rate_hz
-    drift = np.array(
-        [settings.rate_noise_radps_sqrthz**2 * dt] * 2 + [settings.bias_walk_radps**2 * dt] * 2
-    )
-    spread = np.diag([0.35, 0.35, settings.bias_sd_radps, settings.bias_sd_radps]) ** 2
-    x, p, x_before, p_before, steps = _filter(
-        *readings, slow, dt, geometry.steering_inclination_rad, geometry.lean_rad,
-        settings.acc_sd_mps2**2, drift, settings.huber, np.array([*start, 0.0, 0.0]), spread,
-    )  # fmt: skip
+    inputs = _inputs(readings, rate_hz, smooth)
+    run = _loops(inputs, geometry, rate_hz)
+    if not settings.complete:
+        first = _first_guess(settings, readings, rate_hz)
+        seen = _filtered(run, inputs, first, geometry, rate_hz)
+        settings = _measured(settings, first, seen, inputs, geometry, rate_hz)
     if smooth:
-        x, p = _smooth(x, p, x_before, p_before, steps)
-    sd = np.sqrt(np.maximum(p[:, [0, 1], [0, 1]], 0))
-    valid = np.isfinite(x).all(axis=1) & (sd[:, 0] < LARGEST_VALID_SD_RAD)
+        angles, sd = _smoothed(run, inputs, settings, geometry, rate_hz)
+    else:
+        last = _filtered(run, inputs, settings, geometry, rate_hz)
+        angles, sd = last.angles, last.sd
+    sd = np.sqrt(sd**2 + _added_variance(angles, settings, rate_hz, smooth))
+    valid = np.isfinite(angles).all(axis=1) & (sd[:, 0] < LARGEST_VALID_SD_RAD)
     return FusedAngles(
-        x[:, 0].copy(), x[:, 1].copy(), sd[:, 0].copy(), sd[:, 1].copy(), valid, settings
+        angles[:, 0].copy(), angles[:, 1].copy(), sd[:, 0].copy(), sd[:, 1].copy(), valid, settings
     )
+
+
+class _Loops(NamedTuple):
+    """Filter and smoother, compiled or plain."""
+
+    run_filter: Callable[..., tuple[Chunk, Estimate]]
+    run_smoother: Callable[..., tuple[FloatArray, ...]]
+
+
+class _Seen(NamedTuple):
+    """What a pass of the filter leaves: angles, their sd, residuals, and the constants."""
+
+    angles: FloatArray
+    sd: FloatArray
+    residuals: FloatArray
+    constants: FloatArray
+
+
+def _inputs(readings: _Readings, rate_hz: float, smooth: bool) -> Inputs:
+    """Readings with the derivatives of the rates; without smoothing they know the past only."""
+    spins = []
+    for gyr in (readings.lever_gyr, readings.body_gyr):
+        if smooth:
+            spin = ndimage.gaussian_filter1d(gyr, SPIN_SMOOTHING_S * rate_hz, axis=0, order=1)
+        else:
+            spin = np.diff(gyr, axis=0, prepend=gyr[:1])
+        spins.append(np.ascontiguousarray(spin * rate_hz))
+    return Inputs(*readings, *spins)
+
+
+def _loops(inputs: Inputs, geometry: ScooterGeometry, rate_hz: float) -> _Loops:
+    """Loops as machine code, if that is there or is worth its time, else as plain Python."""
+    guess = FusionSettings(**dict.fromkeys(FROM_THE_RECORDING, 0.01))
+    model, start = _model(guess, geometry, rate_hz), _start(inputs, guess, geometry, rate_hz)
+    none = (inputs, 0, 0, start, model, False)
+    empty = Chunk(
+        np.empty((0, STATES)), np.empty((0, 2)), np.empty((0, 3)), np.empty((0, STATES, STATES)),
+        np.empty((0, STATES)), np.empty((0, STATES, STATES)), np.empty((0, STATES, CONSTANTS)),
+    )  # fmt: skip
+    back = (empty, *start[:5])
+    way = choose(
+        {run_filter: none, run_smoother: back},
+        plain_s=len(inputs.lever_acc) * PLAIN_S_PER_SAMPLE,
+        what="scooter's fusion",
+    )
+    if way == "compiled":
+        return _Loops(run_filter, run_smoother)
+    return _Loops(plain(run_filter), plain(run_smoother))
+
+
+def _first_guess(settings: FusionSettings, readings: _Readings, rate_hz: float) -> FusionSettings:
+    """Settings for a first pass, from the lengths of the accelerations alone."""
+    noise = acceleration_noise(readings.lever_acc, readings.body_acc)
+    step = smallest_step(readings.lever_acc, readings.body_acc)
+    guesses = (
+        max(noise, settings.acc_step_mps2 or 0.0),
+        step,
+        max(SMALLEST_DISTURBANCE_MPS2, noise / 2),
+        SMALLEST_RATE_NOISE,
+        SETTING_LIMITS["flexing_sd_rad"][0],
+        max(SETTING_LIMITS["clock_sd_s"][0], 0.5 / rate_hz),
+    )
+    missing = {
+        name: guess
+        for name, guess in zip(FROM_THE_RECORDING, guesses, strict=True)
+        if getattr(settings, name) is None
+    }
+    return dataclasses.replace(settings, **missing)
+
+
+def _measured(
+    settings: FusionSettings,
+    first: FusionSettings,
+    seen: _Seen,
+    inputs: Inputs,
+    geometry: ScooterGeometry,
+    rate_hz: float,
+) -> FusionSettings:
+    """Settings with what the residuals and the locked axis of a first pass show."""
+    found: dict[str, float | None] = {}
+    # While it learns the constants, the residuals are not yet noise.
+    settled = seen.residuals[len(seen.residuals) // 10 :]
+    noise = white_and_coloured(settled, rate_hz, settings.disturbance_time_s)
+    if noise is not None:
+        assert first.acc_step_mps2 is not None
+        found["acc_sd_mps2"] = max(noise[0], first.acc_step_mps2)
+        found["disturbance_sd_mps2"] = max(noise[1], SMALLEST_DISTURBANCE_MPS2)
+    locked = locked_rate(inputs.lever_gyr, inputs.body_gyr, seen, geometry)
+    angle, density = bounded_and_wandering(locked, rate_hz)
+    found["flexing_sd_rad"] = max(angle, SETTING_LIMITS["flexing_sd_rad"][0])
+    found["rate_noise_radps_sqrthz"] = max(density, SMALLEST_RATE_NOISE)
+    changes = {}
+    for name in FROM_THE_RECORDING:
+        if getattr(settings, name) is None:
+            low, high = SETTING_LIMITS[name]
+            value = found.get(name) or getattr(first, name)
+            changes[name] = float(np.clip(value, low, high))
+    return dataclasses.replace(settings, **changes)
+
+
+def locked_rate(
+    lever_gyr: FloatArray, body_gyr: FloatArray, seen: _Seen, geometry: ScooterGeometry
+) -> FloatArray:
+    """Rate about the axis at right angles to both hinges: nothing can turn there but by flexing.
+
+    Parameters
+    ----------
+    lever_gyr, body_gyr : (n, 3) arrays, rad/s, in {T} and {B}
+    seen : angles and constants of a pass of the filter
+    geometry : ScooterGeometry
+
+    Returns
+    -------
+    (n,) array, rad/s
+    """
+    lever, body = (
+        gyr - np.cross(c[6:9], gyr) - c[9:12] * gyr - c[12:15]
+        for gyr, c in ((lever_gyr, seen.constants), (body_gyr, seen.constants[BODY:]))
+    )
+    tip = seen.angles[:, 1] + geometry.lean_rad
+    _, ahead = steered(column_vector(body, geometry.steering_inclination_rad), seen.angles[:, 0])
+    return np.asarray(lever[:, 1] * np.cos(tip) + lever[:, 2] * np.sin(tip) - ahead)
+
+
+def _added_variance(
+    angles: FloatArray, settings: FusionSettings, rate_hz: float, smooth: bool
+) -> FloatArray:
+    """What flexing and the clock add to the variance of both angles, rad²."""
+    assert settings.flexing_sd_rad is not None and settings.clock_sd_s is not None
+    if smooth and len(angles) > 1:
+        rates = np.gradient(angles, 1 / rate_hz, axis=0)
+    else:
+        rates = np.diff(angles, axis=0, prepend=angles[:1]) * rate_hz
+    return np.asarray(settings.flexing_sd_rad**2 + (settings.clock_sd_s * rates) ** 2)
+
+
+def _model(settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float) -> Model:
+    """Model of the loops; all that the recording tells is in the settings."""
+    assert settings.acc_sd_mps2 is not None and settings.disturbance_sd_mps2 is not None
+    assert settings.rate_noise_radps_sqrthz is not None
+    alpha, dt = geometry.steering_inclination_rad, 1 / rate_hz
+    return Model(
+        dt,
+        float(np.sin(alpha)),
+        float(np.cos(alpha)),
+        float(geometry.lean_rad),
+        float(settings.acc_sd_mps2**2),
+        float(settings.disturbance_sd_mps2**2),
+        float(np.exp(-dt / settings.disturbance_time_s)),
+        np.array([settings.rate_noise_radps_sqrthz**2 * dt, settings.bias_walk_radps**2 * dt]),
+        float(settings.huber),
+    )
+
+
+def _start(
+    inputs: Inputs, settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float
+) -> Estimate:
+    """What is assumed at the start: angles of the first half second, all constants zero."""
+    assert settings.disturbance_sd_mps2 is not None
+    angles, slow = _first_angles(inputs.lever_acc, inputs.body_acc, rate_hz, geometry)
+    # The drift is what wanders: the offset it starts from is among the constants.
+    sd = np.array([START_SD_RAD] * 2 + [1e-6] * 2 + [settings.disturbance_sd_mps2] * 3)
+    sensor = np.repeat(
+        [
+            settings.acc_offset_sd_mps2,
+            settings.acc_scale_sd,
+            settings.misalignment_sd_rad,
+            settings.gyr_scale_sd,
+            settings.bias_sd_radps,
+        ],
+        3,
+    )
+    arms = np.full(CONSTANTS - ARMS, settings.lever_arm_sd_m)
+    return Estimate(
+        np.concatenate((angles, np.zeros(STATES - 2))),
+        np.diag(sd**2),
+        np.zeros((STATES, CONSTANTS)),
+        np.zeros(CONSTANTS),
+        np.diag(np.concatenate((sensor, sensor, arms)) ** 2),
+        slow,
+    )
+
+
+def _filtered(
+    run: _Loops, inputs: Inputs, settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float
+) -> _Seen:
+    """One pass of the filter over the recording."""
+    start, model = _start(inputs, settings, geometry, rate_hz), _model(settings, geometry, rate_hz)
+    chunk, after = run.run_filter(inputs, 0, len(inputs.lever_acc), start, model, False)
+    return _Seen(chunk.states[:, :2].copy(), chunk.sd, chunk.residuals, after.constants)
+
+
+def _smoothed(
+    run: _Loops, inputs: Inputs, settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float
+) -> tuple[FloatArray, FloatArray]:
+    """Angles and their sd by filter and smoother, in pieces that fit into memory."""
+    model = _model(settings, geometry, rate_hz)
+    borders = [*range(0, len(inputs.lever_acc), CHUNK_SAMPLES), len(inputs.lever_acc)]
+    pieces = list(pairwise(borders))
+    at = [_start(inputs, settings, geometry, rate_hz)]
+    for piece in pieces:
+        kept, after = run.run_filter(inputs, *piece, at[-1], model, piece is pieces[-1])
+        at.append(Estimate(*(np.ascontiguousarray(part) for part in after)))
+    last = at[-1]
+    state, covariance, by_constants = last.state, last.covariance, last.by_constants
+    angles, sd = [], []
+    for piece, before in zip(pieces[::-1], at[-2::-1], strict=True):
+        if piece is not pieces[-1]:
+            kept, _ = run.run_filter(inputs, *piece, before, model, True)
+        given = (np.ascontiguousarray(part) for part in (state, covariance, by_constants))
+        states, spread, state, covariance, by_constants = run.run_smoother(
+            kept, *given, last.constants, last.constants_covariance
+        )
+        angles.append(states[:, :2])
+        sd.append(spread)
+    return np.concatenate(angles[::-1]), np.concatenate(sd[::-1])
 
 
 def _checked(
@@ -312,7 +468,8 @@ def _checked(
         (body_acc, "body_acc_mps2", LARGEST_ACC_MPS2),
         (body_gyr, "body_gyr_radps", LARGEST_RATE_RADPS),
     ):
-        array = np.ascontiguousarray(as_vectors(values, name, ndim=2, finite=True))
+        # A copy: a read-only array would be another type to the compiler.
+        array = np.array(as_vectors(values, name, ndim=2, finite=True), order="C")
         largest = float(np.abs(array).max(initial=0.0))
         if largest > limit:
             raise InputError(
@@ -331,107 +488,13 @@ def _checked(
     return readings, rate_hz
 
 
-def _start(
-    readings: _Readings, rate_hz: float, geometry: ScooterGeometry
+def _first_angles(
+    lever_acc: FloatArray, body_acc: FloatArray, rate_hz: float, geometry: ScooterGeometry
 ) -> tuple[FloatArray, FloatArray]:
     """Angles, and the body's acceleration, by the median of the first half second."""
     first = slice(0, max(1, round(0.5 * rate_hz)))
-    lever, body = (np.median(acc[first], axis=0) for acc in (readings.lever_acc, readings.body_acc))
+    lever, body = (np.median(acc[first], axis=0) for acc in (lever_acc, body_acc))
     return np.array(three_axis_angles(lever, body, geometry), float), body
-
-
-@compiled()
-def _slopes(
-    acc: FloatArray, steering: float, tip: float, sin_alpha: float, cos_alpha: float
-) -> FloatArray:
-    """Derivative of eq. 5 by the state: (3, 4), with nothing by the biases."""
-    x, y, z, k2 = tip_reading(acc, steering, tip, sin_alpha, cos_alpha)
-    h = np.zeros((3, 4))
-    h[0, 0] = k2
-    h[1, 0], h[1, 1] = -x * np.cos(tip), -z
-    h[2, 0], h[2, 1] = -x * np.sin(tip), y
-    return h
-
-
-@compiled()
-def _correct(
-    x: FloatArray, p: FloatArray, residual: FloatArray, h: FloatArray, noise: float, huber: float
-) -> tuple[FloatArray, FloatArray]:
-    """State and covariance after one reading, its three axes one after the other."""
-    # Blows are far from Gaussian: what lies beyond the bound counts less.
-    innovation = h @ p @ h.T
-    for i in range(3):
-        innovation[i, i] += noise
-    distance = np.sqrt(residual @ np.linalg.solve(innovation, residual) / 3)
-    r = noise * max(1.0, float((distance / huber) ** 2))
-    dx = np.zeros(4)
-    for i in range(3):
-        ph = p @ h[i]
-        variance = h[i] @ ph + r
-        gain = ph / variance
-        dx += gain * (residual[i] - h[i] @ dx)
-        p = p - np.outer(gain, ph)
-    return x + dx, (p + p.T) / 2
-
-
-@compiled()
-def _filter(
-    lever_acc: FloatArray,
-    lever_gyr: FloatArray,
-    body_acc: FloatArray,
-    body_gyr: FloatArray,
-    slow: FloatArray,
-    dt: float,
-    alpha: float,
-    lean: float,
-    noise: float,
-    drift: FloatArray,
-    huber: float,
-    x: FloatArray,
-    p: FloatArray,
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """States and covariances after and before each correction, and transition matrices."""
-    count = len(lever_acc)
-    xs, ps = np.empty((count, 4)), np.empty((count, 4, 4))
-    xs_before, ps_before = np.empty((count, 4)), np.empty((count, 4, 4))
-    steps = np.empty((count, 4, 4))
-    ca, sa = np.cos(alpha), np.sin(alpha)
-    x, p, slow = x.copy(), p.copy(), slow.copy()
-    for k in range(count):
-        f = np.eye(4)
-        if k > 0:
-            gt, gb = (lever_gyr[k] + lever_gyr[k - 1]) / 2, (body_gyr[k] + body_gyr[k - 1]) / 2
-            rate_s, rate_t, s_by_t, t_by_s = hinge_rates(gt, gb, x[0], x[1] + lean, sa, ca)
-            f[0, 1], f[0, 2] = dt * s_by_t, -dt
-            f[1, 0], f[1, 3] = dt * t_by_s, -dt
-            x[0] += dt * (rate_s - x[2])
-            x[1] += dt * (rate_t - x[3])
-            p = f @ p @ f.T
-            for i in range(4):
-                p[i, i] += drift[i]
-        steps[k] = f
-        xs_before[k], ps_before[k] = x, p
-        # The slopes come from a smoothed acceleration: with the raw one its noise would stand in
-        # residual and slope alike, and vibration would pull the angles to one side.
-        slow += dt / SLOPE_SMOOTHING_S * (body_acc[k] - slow)
-        tx, ty, tz, _ = tip_reading(body_acc[k], x[0], x[1] + lean, sa, ca)
-        residual = lever_acc[k] - np.array([tx, ty, tz])
-        x, p = _correct(x, p, residual, _slopes(slow, x[0], x[1] + lean, sa, ca), noise, huber)
-        xs[k], ps[k] = x, p
-    return xs, ps, xs_before, ps_before, steps
-
-
-@compiled()
-def _smooth(
-    x: FloatArray, p: FloatArray, x_before: FloatArray, p_before: FloatArray, steps: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """States and covariances given the whole recording (Rauch-Tung-Striebel)."""
-    xs, ps = x.copy(), p.copy()
-    for k in range(len(x) - 2, -1, -1):
-        gain = np.linalg.solve(p_before[k + 1], steps[k + 1] @ p[k]).T
-        xs[k] = x[k] + gain @ (xs[k + 1] - x_before[k + 1])
-        ps[k] = p[k] + gain @ (ps[k + 1] - p_before[k + 1]) @ gain.T
-    return xs, ps
 
 
 def complementary_angles(
@@ -473,7 +536,7 @@ def complementary_angles(
     readings, rate_hz = _checked(
         lever_acc_mps2, lever_gyr_radps, body_acc_mps2, body_gyr_radps, sampling_rate_hz, geometry
     )
-    start, _ = _start(readings, rate_hz, geometry)
+    start, _ = _first_angles(readings.lever_acc, readings.body_acc, rate_hz, geometry)
     slow = np.column_stack(three_axis_angles(readings.lever_acc, readings.body_acc, geometry))
     out = _complement(
         slow, readings.lever_gyr, readings.body_gyr, start, 1 / rate_hz, time_constant,

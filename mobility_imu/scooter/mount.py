@@ -12,13 +12,14 @@ from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.files import write_text
 from mobility_imu.frames import FloatArray, as_rotation, as_series, as_vectors
-from mobility_imu.readers.geometry import read_arrays
+from mobility_imu.readers.geometry import find_table, read_arrays
 from mobility_imu.results import Result
 from mobility_imu.scooter.geometry import ScooterGeometry
 
 __all__ = ["ScooterMount"]
 
 SECTION = "scooter.mount"
+SD_KEY = "sd_rad"
 KEYS = ("rotation_lever_imu_to_lever", "rotation_body_imu_to_body")
 
 
@@ -29,20 +30,29 @@ class ScooterMount(Result):
     Parameters
     ----------
     rotation_lever_imu_to_lever, rotation_body_imu_to_body : (3, 3) arrays, copied
+    sd_rad : (6,) array, rad, standard deviations about x, y, z of the lever's, then the body's IMU,
+        as a calibration found them; None if no calibration did
 
     Raises
     ------
     InputError
-        If a matrix is no rotation: of another shape, not orthogonal, or a mirror.
+        If a matrix is no rotation: of another shape, not orthogonal, or a mirror; if a standard
+        deviation is negative.
     """
 
     rotation_lever_imu_to_lever: FloatArray
     rotation_body_imu_to_body: FloatArray
+    sd_rad: FloatArray | None = None
 
     def __post_init__(self) -> None:
         """Check and copy both matrices."""
         for key in KEYS:
             object.__setattr__(self, key, as_rotation(getattr(self, key), key).copy())
+        if self.sd_rad is not None:
+            sd = as_series(self.sd_rad, SD_KEY, length=6).copy()
+            if not (np.isfinite(sd) & (sd >= 0)).all():
+                raise InputError(f"{SD_KEY} = {sd.tolist()}: expected six numbers from 0")
+            object.__setattr__(self, SD_KEY, sd)
         super().__post_init__()
 
     def lever(self, vectors: ArrayLike) -> FloatArray:
@@ -112,11 +122,14 @@ class ScooterMount(Result):
         InputError
             If the file is missing, or a matrix is missing or is no rotation.
         """
-        found = read_arrays(path, SECTION, dict.fromkeys(KEYS, (3, 3)))
+        shapes: dict[str, tuple[int, ...]] = dict.fromkeys(KEYS, (3, 3))
+        if SD_KEY in (find_table(path, SECTION) or {}):
+            shapes[SD_KEY] = (6,)
+        found = read_arrays(path, SECTION, shapes)
         if found is None:
             return None
         try:
-            return cls(*(found[key] for key in KEYS))
+            return cls(**found)
         except InputError as error:
             raise InputError(f"{path}, [{SECTION}] {error}") from None
 
@@ -133,8 +146,7 @@ class ScooterMount(Result):
         ----------
         path : file to write the text to, too; an existing one is replaced
         geometry : ScooterGeometry, whose section then comes first: a whole geometry file
-        sd_rad : (6,) array, rad, standard deviations about x, y, z of the lever's, then the body's
-            IMU; written as a comment
+        sd_rad : (6,) array, rad, in place of the mount's own; written in deg as a comment, too
 
         Returns
         -------
@@ -143,11 +155,11 @@ class ScooterMount(Result):
         expect("geometry", geometry, ScooterGeometry, none=True)
         lines = [] if geometry is None else [*geometry.to_toml().splitlines(), ""]
         lines.append(f"[{SECTION}]")
-        if sd_rad is not None:
-            sd = ", ".join(
-                f"{value:.2f}" for value in np.rad2deg(as_series(sd_rad, "sd_rad", length=6))
-            )
+        known = self.sd_rad if sd_rad is None else as_series(sd_rad, SD_KEY, length=6)
+        if known is not None:
+            sd = ", ".join(f"{value:.2f}" for value in np.rad2deg(known))
             lines.append(f"# sd in deg about x, y, z of the lever's, then the body's IMU: {sd}")
+            lines.append(f"{SD_KEY} = {[round(float(value), 6) for value in known]}")
         for key in KEYS:
             rows = [[round(float(v), 6) for v in row] for row in getattr(self, key)]
             lines.append(f"{key} = {rows}")

@@ -18,7 +18,9 @@ from mobility_imu.quality import frozen_samples, saturated_samples, turned_gravi
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.scooter.angles import Form, angle_standard_deviations, estimate_angles
-from mobility_imu.scooter.fusion import FusionSettings, acceleration_noise, fuse_angles
+from mobility_imu.scooter.fusion import fuse_angles
+from mobility_imu.scooter.fusion_noise import smallest_step
+from mobility_imu.scooter.fusion_settings import FusionSettings
 from mobility_imu.scooter.geometry import ScooterGeometry
 from mobility_imu.scooter.mount import ScooterMount
 
@@ -104,7 +106,7 @@ class RideAngles(Result):
         noise; NaN for the closed form without a stated noise
     valid : (n,) bool array: the method trusts the sample, and no accelerometer that is used is
         frozen or saturated
-    settings : RideSettings; with fusion, ``settings.fusion`` has the noise that was used
+    settings : RideSettings; with fusion, ``settings.fusion`` has the sizes that were used
     warnings : sentences for the user
     """
 
@@ -230,10 +232,11 @@ def _estimate(
     usable, warnings = usable_samples(ride, settings.sensors)
     if settings.method == "fusion":
         gyr = {name: ride.gyroscope(name) for name in settings.sensors}
-        settings = dataclasses.replace(settings, fusion=_fusion_settings(settings, acc))
+        settings = dataclasses.replace(settings, fusion=_fusion_settings(settings, acc, mount))
     try:
         if settings.method == "fusion":
-            angles = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
+            angles, used = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
+            settings = dataclasses.replace(settings, fusion=used)
         else:
             angles, accelerated = _closed_form(acc, geometry, mount, settings)
             warnings += [f"{ride.source}: {warning}" for warning in accelerated]
@@ -338,16 +341,21 @@ def _median_warnings(window: int, sampling_rate_hz: float) -> list[str]:
     ]
 
 
-def _fusion_settings(settings: RideSettings, acc: dict[str, FloatArray]) -> FusionSettings:
-    """Settings with the noise that was stated, or that the readings show in the sensors' axes."""
+def _fusion_settings(
+    settings: RideSettings, acc: dict[str, FloatArray], mount: ScooterMount | None
+) -> FusionSettings:
+    """Settings with what was stated beside them, and with what a calibration left of the mount."""
+    fusion = settings.fusion
     if settings.acc_noise_mps2 is not None:
         # The filter's noise is that of the difference of both sensors.
-        noise = settings.acc_noise_mps2 * 2**0.5
-    elif settings.fusion.acc_sd_mps2 is not None:
-        return settings.fusion
-    else:
-        noise = acceleration_noise(acc["lever"], acc["body"])
-    return dataclasses.replace(settings.fusion, acc_sd_mps2=noise)
+        fusion = dataclasses.replace(fusion, acc_sd_mps2=settings.acc_noise_mps2 * 2**0.5)
+    if fusion.acc_step_mps2 is None:
+        # Steps of the converters show in the sensors' own axes, before the mount turns them.
+        step = smallest_step(acc["lever"], acc["body"])
+        fusion = dataclasses.replace(fusion, acc_step_mps2=step)
+    if mount is not None and mount.sd_rad is not None:
+        fusion = fusion.after_calibration(mount.sd_rad)
+    return fusion
 
 
 def _fused(
@@ -357,7 +365,7 @@ def _fused(
     geometry: ScooterGeometry,
     mount: ScooterMount | None,
     settings: RideSettings,
-) -> tuple[Any, ...]:
+) -> tuple[tuple[Any, ...], FusionSettings]:
     lever_acc, body_acc = _turned(acc, mount)
     lever_gyr, body_gyr = _turned(gyr, mount)
     assert body_acc is not None and body_gyr is not None
@@ -371,10 +379,11 @@ def _fused(
         settings.fusion,
         smooth=settings.smooth,
     )
-    return (
+    angles = (
         found.steering_rad,
         found.throttle_rad,
         found.steering_sd_rad,
         found.throttle_sd_rad,
         found.valid,
     )
+    return angles, found.settings

@@ -9,19 +9,21 @@ from hypothesis import strategies as st
 
 from mobility_imu.errors import InputError
 from mobility_imu.quality import frozen_samples, saturated_samples
-from mobility_imu.scooter import SUZUKI_ET4D, estimate_angles
+from mobility_imu.scooter import SUZUKI_ET4D, estimate_angles, fusion
 from mobility_imu.scooter.angles import angle_standard_deviations
 from mobility_imu.scooter.calibration import (
     mount_from_poses,
     parked_poses,
 )
 from mobility_imu.scooter.fusion import (
-    SETTING_LIMITS,
-    FusionSettings,
-    acceleration_noise,
     complementary_angles,
     fuse_angles,
     move_specific_force,
+)
+from mobility_imu.scooter.fusion_noise import acceleration_noise
+from mobility_imu.scooter.fusion_settings import (
+    SETTING_LIMITS,
+    FusionSettings,
 )
 from mobility_imu.scooter.geometry import body_specific_force, lever_acceleration
 from mobility_imu.simulation.scooter import (
@@ -44,10 +46,20 @@ WHITE = SensorModel(
 )
 STATED = FusionSettings(
     acc_sd_mps2=ACC_SD * np.sqrt(2),
+    acc_step_mps2=1e-3,
+    disturbance_sd_mps2=1e-4,
     rate_noise_radps_sqrthz=GYR_SD / 10 * np.sqrt(2),
-    bias_sd_radps=0.005 * np.sqrt(2),
+    bias_sd_radps=0.005,
     bias_walk_radps=1e-6,
+    acc_offset_sd_mps2=1e-5,
+    acc_scale_sd=1e-6,
+    misalignment_sd_rad=1e-6,
+    gyr_scale_sd=1e-6,
+    lever_arm_sd_m=1e-6,
+    flexing_sd_rad=1e-6,
+    clock_sd_s=1e-6,
 )
+"""All that these sensors do, and nothing else: white noise, and an offset of each gyroscope."""
 
 
 def fused(ride, settings=None, *, smooth=True, mounting=None):
@@ -57,11 +69,6 @@ def fused(ride, settings=None, *, smooth=True, mounting=None):
         turns = (mounting.lever, mounting.lever, mounting.body, mounting.body)
         rows = [turn(values) for turn, values in zip(turns, rows, strict=True)]
     return fuse_angles(*rows, 100.0, SUZUKI_ET4D, settings, smooth=smooth)
-
-
-def plainly(loop):
-    """Python of a compiled loop; without numba it is that already."""
-    return getattr(loop, "py_func", loop)
 
 
 def share_within(error, sd):
@@ -144,35 +151,23 @@ def test_ideal_sensors_give_the_truth():
         shaking=NO_SHAKING,
         sensor=IDEAL,
     )
-    angles = fused(ride, FusionSettings(acc_sd_mps2=0.01))
+    angles = fused(ride, replace(STATED, acc_sd_mps2=0.01, bias_sd_radps=1e-6))
     assert np.abs(angles.steering_rad - ride.steering_rad).max() < 1e-3
     assert np.abs(angles.throttle_rad - ride.throttle_rad).max() < 1e-3
 
 
-def test_compiled_and_plain_loops_agree(noisy_rides):
-    from mobility_imu.scooter import fusion
-
+def test_compiled_and_plain_loops_agree(noisy_rides, monkeypatch):
     ride = noisy_rides[0]
     lever, body = ride.recording.sensors["lever"], ride.recording.sensors["body"]
-    part = slice(0, 300)
-    arguments = (
-        *(np.ascontiguousarray(v[part]) for v in (lever.acc_mps2, lever.gyr_radps)),
-        *(np.ascontiguousarray(v[part]) for v in (body.acc_mps2, body.gyr_radps)),
-        body.acc_mps2[0].copy(),
-        0.01,
-        0.35,
-        0.19,
-        0.08,
-        np.array([1e-8, 1e-8, 1e-12, 1e-12]),
-        2.0,
-        np.zeros(4),
-        np.eye(4) * 0.01,
-    )
-    fast, plain = fusion._filter(*arguments), plainly(fusion._filter)(*arguments)
-    for one, other in zip(fast, plain, strict=True):
-        assert np.allclose(one, other, rtol=1e-9, atol=1e-12)
-    for one, other in zip(fusion._smooth(*fast), plainly(fusion._smooth)(*plain), strict=True):
-        assert np.allclose(one, other, rtol=1e-7, atol=1e-10)
+    rows = [lever.acc_mps2, lever.gyr_radps, body.acc_mps2, body.gyr_radps]
+    given = (*(values[:400] for values in rows), 100.0, SUZUKI_ET4D)
+    for smooth in (False, True):
+        monkeypatch.setattr(fusion, "choose", lambda *_, **__: "plain")
+        slow = fuse_angles(*given, smooth=smooth)
+        monkeypatch.setattr(fusion, "choose", lambda *_, **__: "compiled")
+        fast = fuse_angles(*given, smooth=smooth)
+        for name in ("steering_rad", "throttle_rad", "steering_sd_rad", "throttle_sd_rad"):
+            assert np.allclose(getattr(fast, name), getattr(slow, name), rtol=1e-7, atol=1e-10)
 
 
 def test_noise_is_read_off_the_lengths():

@@ -24,6 +24,7 @@ from mobility_imu.scooter import (
     fuse_angles,
 )
 from mobility_imu.scooter.calibration import PRIOR_SD_RAD, ParkedPose, mount_from_poses
+from mobility_imu.scooter.fusion_settings import FROM_THE_RECORDING
 from mobility_imu.scooter.geometry import body_specific_force, lever_acceleration
 from mobility_imu.scooter.ride import usable_samples
 from mobility_imu.simulation.scooter import PARKED_POSES_RAD, draw_scooter, simulate_parked
@@ -63,7 +64,10 @@ def turning(samples=400, *, rate_hz=100.0, noise=NOISE, mount=None, gyroscopes=T
 def test_angles_of_a_turned_wheel(method, mount):
     """Mounts of 3 deg are taken out again; left in, they cost the steering more than 2."""
     ride, steering, throttle = turning(mount=mount)
-    settings = RideSettings(method=method)
+    exact = FusionSettings(
+        acc_offset_sd_mps2=1e-3, acc_scale_sd=1e-4, misalignment_sd_rad=1e-4, lever_arm_sd_m=1e-3
+    )
+    settings = RideSettings(method=method, fusion=exact)
     found = estimate_ride(ride, SUZUKI_ET4D, mount, settings)
     assert np.rad2deg(np.abs(found.steering_rad - steering)).max() < 1
     assert np.rad2deg(np.abs(found.throttle_rad - throttle)).max() < 1
@@ -99,13 +103,16 @@ def test_fusion_keeps_the_noise_that_it_used():
     stated = RideSettings(method="fusion", acc_noise_mps2=0.1)
     found = estimate_ride(ride, SUZUKI_ET4D, settings=stated)
     assert found.settings.fusion.acc_sd_mps2 == pytest.approx(0.1 * np.sqrt(2))
-    own = RideSettings(method="fusion", fusion=FusionSettings(acc_sd_mps2=0.3))
+    own = RideSettings(
+        method="fusion", fusion=FusionSettings(**dict.fromkeys(FROM_THE_RECORDING, 0.3))
+    )
     assert estimate_ride(ride, SUZUKI_ET4D, settings=own).settings == own
 
 
 def test_a_filter_without_smoother_does_not_look_ahead():
     ride, *_ = turning()
-    causal = RideSettings(method="fusion", smooth=False, acc_noise_mps2=NOISE)
+    stated = FusionSettings(NOISE, NOISE, 0.1, rate_noise_radps_sqrthz=1e-3, flexing_sd_rad=1e-3)
+    causal = RideSettings(method="fusion", smooth=False, fusion=replace(stated, clock_sd_s=1e-3))
     whole = estimate_ride(ride, SUZUKI_ET4D, settings=causal)
     part = estimate_ride(ride.trim(0, 2), SUZUKI_ET4D, settings=causal)
     assert np.array_equal(whole.steering_rad[:200], part.steering_rad)

@@ -23,6 +23,7 @@ from mobility_imu.executors import run_all
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, wrap_angle
 from mobility_imu.reproduction.scooter.paper_method import PAPER_MEDIAN_WINDOW, paper_angles
 from mobility_imu.scooter.fusion import complementary_angles, fuse_angles
+from mobility_imu.scooter.fusion_settings import FusionSettings
 from mobility_imu.scooter.geometry import SUZUKI_ET4D
 from mobility_imu.scooter.pulses import moving_samples, reference_angles, synchronise
 from mobility_imu.simulation.scooter import (
@@ -51,6 +52,8 @@ LONGEST_GAP_S = 1.0
 """Seconds between two pulses (0.2 m apart) beyond which the scooter counts as standing; ours."""
 LONGER_WINDOW = 101
 """Samples in the window of the fair baseline without gyroscopes (one second)."""
+CALIBRATED_SD_RAD = np.full(6, np.deg2rad(0.4))
+"""What a calibration on level ground and a ramp states of the mounting, in the median."""
 ANGLES = ("steering", "throttle")
 BIN_DEG = 2.0
 """Bin width of Figure 8."""
@@ -152,6 +155,7 @@ class _Inputs(NamedTuple):
     rate_hz: float
     moving: NDArray[np.bool_]
     window: int
+    calibrated: bool
 
 
 Estimator = Callable[[_Inputs], FloatArray]
@@ -204,7 +208,10 @@ def _complementary(ride: _Inputs) -> FloatArray:
 
 
 def _fused(ride: _Inputs, smooth: bool) -> FloatArray:
-    angles = fuse_angles(*_with_gyroscopes(ride), ride.rate_hz, SUZUKI_ET4D, smooth=smooth)
+    assumed = FusionSettings()
+    if ride.calibrated:
+        assumed = assumed.after_calibration(CALIBRATED_SD_RAD)
+    angles = fuse_angles(*_with_gyroscopes(ride), ride.rate_hz, SUZUKI_ET4D, assumed, smooth=smooth)
     return np.column_stack([angles.steering_rad, angles.throttle_rad])[ride.moving]
 
 
@@ -495,7 +502,8 @@ def _inputs(
         lever, lever_gyr = lever @ to_lever, lever_gyr @ to_lever
         body, body_gyr = body @ to_body, body_gyr @ to_body
     rate_hz = recording.sampling_rate_hz
-    return _Inputs(lever, lever_gyr, body, body_gyr, rate_hz, moving, window)
+    calibrated = corrections is not None
+    return _Inputs(lever, lever_gyr, body, body_gyr, rate_hz, moving, window, calibrated)
 
 
 def _durations(angle: str, true_rad: FloatArray, estimate_rad: FloatArray) -> FloatArray:
