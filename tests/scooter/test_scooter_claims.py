@@ -12,7 +12,7 @@ import pytest
 from mobility_imu.reproduction.claims import Cell, Outcome, Quotation, check
 from mobility_imu.reproduction.published import load_published
 from mobility_imu.reproduction.recorded import is_stale, numbers
-from mobility_imu.reproduction.scooter import driving
+from mobility_imu.reproduction.scooter import driving, driving_rides
 from mobility_imu.reproduction.scooter.claims import claims
 from mobility_imu.reproduction.scooter.driving_record import (
     driving_record,
@@ -149,7 +149,7 @@ class TestDrivingRecord:
         for text in driving.STATEMENTS:
             assert check(rows[text]).ours == shares[text]
         counts = smaller_than(study, "dual", "subtraction").sum(axis=1)
-        for angle in driving.ANGLES:
+        for angle in driving_rides.ANGLES:
             what = f"{angle}: fraction of pairs of scooter and course, dual below subtraction"
             assert check(rows[what]).ours == counts[angle] / 100
 

@@ -11,6 +11,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.filters import median_filter
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.reproduction.scooter import driving as study
+from mobility_imu.reproduction.scooter import driving_rides as rides
 from mobility_imu.reproduction.scooter.paper_method import (
     clipped_angles,
     paper_angles,
@@ -206,7 +207,7 @@ class TestStudy:
 
     def test_known_mounting_takes_the_mounting_out(self):
         """Without any other effect, the drawn mounting is all the error, and knowing it heals."""
-        quiet = study.ablations()["nothing"]
+        quiet = rides.ablations()["nothing"]
         settings = study.StudySettings(
             drivers=1, runs=1, courses=("slopes",), estimators=("dual",),
             conditions=study.replace(quiet, mounting=True),
@@ -218,7 +219,7 @@ class TestStudy:
     def test_without_any_effect_nothing_is_left(self):
         settings = study.StudySettings(
             drivers=1, runs=1, estimators=("dual",), calibrations={"as drawn": None},
-            conditions=study.ablations()["nothing"],
+            conditions=rides.ablations()["nothing"],
         )  # fmt: skip
         table = study.driving_study([0], settings).table
         assert table.loc[table["against"] == "truth", "p90_deg"].max() < 1e-6
@@ -227,8 +228,8 @@ class TestStudy:
 
     def test_straight_ahead_subtraction_is_the_dual_estimate_times_c1(self):
         """Wheel nearly straight: both have the lever's x less the body's x, over different C1."""
-        ride = study.make_ride(3, "slopes", 0, 0, study.Conditions())
-        moving, truth = study.motion_and_truth(ride)
+        ride = rides.make_ride(3, "slopes", 0, 0, rides.Conditions())
+        moving, truth = rides.motion_and_truth(ride)
         found = study.estimate_ride(ride, moving, ["dual", "subtraction"])
         body = median_filter(ride.recording.sensor("body").acc_mps2[moving], 25, edge="zero")
         alpha = SUZUKI_ET4D.steering_inclination_rad
@@ -242,8 +243,8 @@ class TestStudy:
 
     def test_body_x_only_is_the_dual_estimate_on_level_ground_without_y(self):
         """C1 = g sin(alpha) is true on a level course at constant speed: the two are the same."""
-        ride = study.make_ride(0, "straight", 0, 0, study.ablations()["nothing"])
-        moving, _ = study.motion_and_truth(ride)
+        ride = rides.make_ride(0, "straight", 0, 0, rides.ablations()["nothing"])
+        moving, _ = rides.motion_and_truth(ride)
         found = study.estimate_ride(ride, moving, ["dual", "body's x only"], window=1)
         steady = np.abs(np.gradient(ride.speed_mps, ride.recording.time_s)[moving]) < 0.01
         apart = np.abs(found["dual"] - found["body's x only"])[steady, 0]
@@ -268,8 +269,8 @@ class TestStudy:
 
 
 def test_printed_and_three_axis_forms_agree_on_a_ride():
-    ride = study.make_ride(0, "curves", 0, 0, study.Conditions())
-    moving, truth = study.motion_and_truth(ride)
+    ride = rides.make_ride(0, "curves", 0, 0, rides.Conditions())
+    moving, truth = rides.motion_and_truth(ride)
     dual = study.estimate_ride(ride, moving, ["dual"])["dual"]
     lever, body = (ride.recording.sensor(name).acc_mps2[moving] for name in ("lever", "body"))
     other = estimate_angles(

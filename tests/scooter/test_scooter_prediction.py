@@ -11,7 +11,8 @@ import pytest
 from mobility_imu.errors import InputError
 from mobility_imu.reproduction.recorded import is_stale, numbers
 from mobility_imu.reproduction.scooter import posterior_check, prediction
-from mobility_imu.reproduction.scooter.driving import STATEMENTS, Conditions, make_ride
+from mobility_imu.reproduction.scooter.driving import STATEMENTS
+from mobility_imu.reproduction.scooter.driving_rides import Conditions, make_ride
 from mobility_imu.reproduction.scooter.paper_method import clipped_angles
 from mobility_imu.reproduction.scooter.posterior import (
     NAMES,

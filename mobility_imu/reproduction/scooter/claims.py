@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 from mobility_imu.reproduction.claims import Claim, Quotation
-from mobility_imu.reproduction.scooter.driving import ANGLES
 from mobility_imu.reproduction.scooter.driving_claims import driving_claims
+from mobility_imu.reproduction.scooter.driving_rides import ANGLES
 from mobility_imu.reproduction.scooter.table_claims import (
     COLOURED,
     Mode,

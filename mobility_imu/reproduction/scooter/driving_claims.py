@@ -15,13 +15,9 @@ import numpy as np
 
 from mobility_imu.reproduction.claims import COIN, Claim, Quotation, share_rule
 from mobility_imu.reproduction.recorded import numbers
-from mobility_imu.reproduction.scooter.driving import (
-    ANGLES,
-    STATEMENTS,
-    DrivingStudy,
-    statements,
-)
+from mobility_imu.reproduction.scooter.driving import STATEMENTS, DrivingStudy, statements
 from mobility_imu.reproduction.scooter.driving_record import recorded_study, smaller_than
+from mobility_imu.reproduction.scooter.driving_rides import ANGLES
 from mobility_imu.reproduction.scooter.table_claims import (
     HOLDS,
     JOYSTICK,

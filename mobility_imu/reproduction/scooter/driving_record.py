@@ -16,19 +16,21 @@ import numpy as np
 
 from mobility_imu.executors import run_all
 from mobility_imu.reproduction.scooter.driving import (
-    ANGLES,
     COLUMNS,
+    DrivingStudy,
+    StudySettings,
+    driving_study,
+    estimate_ride,
+    summary,
+)
+from mobility_imu.reproduction.scooter.driving_rides import (
+    ANGLES,
     DRIVERS,
     RUNS,
     Conditions,
-    DrivingStudy,
-    StudySettings,
     ablations,
-    driving_study,
-    estimate_ride,
     make_ride,
     motion_and_truth,
-    summary,
 )
 from mobility_imu.simulation.scooter import COURSES
 

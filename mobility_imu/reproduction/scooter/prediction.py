@@ -27,14 +27,14 @@ from numpy.typing import ArrayLike
 from mobility_imu.errors import InputError
 from mobility_imu.executors import run_all
 from mobility_imu.frames import FloatArray, wrap_angle
-from mobility_imu.reproduction.scooter.driving import (
+from mobility_imu.reproduction.scooter.driving_rides import (
     ANGLES,
     DRIVERS,
     PUBLISHED_LIMIT_DEG,
     RUNS,
     Conditions,
-    estimate_ride,
     motion_and_truth,
+    paper_estimates,
 )
 from mobility_imu.reproduction.scooter.posterior import (
     NAMES,
@@ -267,7 +267,7 @@ def drive_scooter(
             ride = ride_scooter(number, faults_deg, course, driver, run, variation)
             moving, truth = motion_and_truth(ride)
             wires.append(truth["wire"])
-            for name, angles in estimate_ride(
+            for name, angles in paper_estimates(
                 ride, moving, ESTIMATORS, window=variation.conditions.median_window
             ).items():
                 found[name].append(angles)
