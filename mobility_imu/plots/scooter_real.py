@@ -72,7 +72,7 @@ def _draw_motor(ax: Axes) -> None:
     line(ax, [(-0.1, -0.4), (-0.1, 0.1), (0.35, 0.5)], linewidth=4, color="#777777")
     disc(ax, (-0.1, 0.1), 0.06, facecolor="white")
     _name_imu(ax, (0.18, 0.42), 0.73, "lever", (-0.1, 0.55), "vermilion")
-    _name_imu(ax, (-0.42, -0.3), np.pi / 2, "body", (-0.68, -0.3), "blue")
+    _name_imu(ax, (-0.42, -0.3), np.pi / 2, "body", (-0.58, -0.06), "blue")
     arc(ax, (-0.1, 0.1), 0.4, np.deg2rad(20), np.deg2rad(-60), arrowhead=True)
     label(ax, (0.52, 0.12), "throttle")
 
