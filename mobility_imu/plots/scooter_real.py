@@ -28,7 +28,7 @@ def draw_chains() -> Figure:
     import matplotlib.pyplot as plt
 
     with use_style():
-        figure, axes = plt.subplots(1, 3, figsize=(WIDTH_IN, 3.0))
+        figure, axes = plt.subplots(1, 3, figsize=(WIDTH_IN, 2.7))
         for ax, draw, title in zip(
             axes,
             (_draw_controls, _draw_chain, _draw_motor),
@@ -95,7 +95,7 @@ def plot_chain_errors(series: Mapping[str, Numbers]) -> Figure:
 
     with use_style():
         figure, axes = plt.subplots(
-            1 + len(series), 2, figsize=(8.8, 1.6 + 1.75 * len(series)), sharex=True, sharey="row"
+            1 + len(series), 2, figsize=(8.8, 1.3 + 1.5 * len(series)), sharex=True, sharey="row"
         )
         for column, angle in enumerate(ANGLES):
             first = next(iter(series.values()))
@@ -161,7 +161,7 @@ def plot_stated(rows: Sequence[Numbers]) -> Figure:
         for name in ("rms_deg", "sd_deg", "white_rms_deg", "white_sd_deg")
     }
     with use_style():
-        figure, axes = plt.subplots(1, 2, figsize=(8.8, 3.6), sharey=True, sharex=True)
+        figure, axes = plt.subplots(1, 2, figsize=(8.8, 3.4), sharey=True, sharex=True)
         for ax, title, part in (
             (axes[0], "all errors taken for noise", "white_"),
             (axes[1], "as it is", ""),
