@@ -60,13 +60,13 @@ STUDIES: dict[str, Study] = {
         ("scooter_table1.csv",),
     ),
     "real_two_hinges": Study(
-        "mobility_imu.reproduction.scooter.real_hinges",
+        "mobility_imu.reproduction.scooter.real_hinges_record",
         "two_hinges_record",
         "none for the recordings; the simulated rides beside them: scooters 0 to 3",
         reads_recordings=True,
     ),
     "real_one_hinge": Study(
-        "mobility_imu.reproduction.scooter.real_hinges",
+        "mobility_imu.reproduction.scooter.real_hinges_record",
         "one_hinge_record",
         "none for the recordings; the simulated rides beside them: scooters 0 to 3",
         reads_recordings=True,

@@ -12,16 +12,16 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mobility_imu.datasets.folders import find_folder
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, wrap_angle
 from mobility_imu.readers import read_recording
 from mobility_imu.readers.table import parse_numbers, read_text
+from mobility_imu.recording import Recording
 from mobility_imu.reproduction.real import Numbers, checksums, origin_of
 from mobility_imu.reproduction.scooter.calibration import PLACES_DEG
 from mobility_imu.scooter.calibration import calibrate_mount
@@ -37,7 +37,7 @@ from mobility_imu.simulation.scooter import (
     simulate_parked,
     simulate_ride,
 )
-from mobility_imu.simulation.sensor import LPMS_CU2, REAL, SensorModel
+from mobility_imu.simulation.sensor import LPMS_CU2, SensorModel
 
 ANGLES = ("steering", "throttle")
 METHODS: tuple[Method, ...] = ("fusion", "closed-form")
@@ -82,6 +82,8 @@ class AngleErrors:
     covered : fraction of samples whose error is inside the stated 95 % interval
     samples : number of samples with a reference
     valid : fraction of these that count as valid
+    mean_deg : deg, mean of the error in the samples that count as valid
+    rms_all_deg : deg, root mean square of the error in all samples with a reference, valid or not
     """
 
     rms_deg: float | None
@@ -90,6 +92,8 @@ class AngleErrors:
     covered: float | None
     samples: int
     valid: float
+    mean_deg: float | None = None
+    rms_all_deg: float | None = None
 
 
 def angle_errors(
@@ -111,18 +115,21 @@ def angle_errors(
     used = there & valid
     samples = int(there.sum())
     fraction = round(float(used.sum() / max(samples, 1)), DIGITS)
+    of_all = _rms_deg(error_rad[there]) if samples else None
     if not used.any():
-        return AngleErrors(None, None, None, None, samples, fraction)
+        return AngleErrors(None, None, None, None, samples, fraction, None, of_all)
     off, sd = np.rad2deg(error_rad[used]), np.rad2deg(sd_rad[used])
-    rms = float(np.sqrt(np.mean(off**2)))
+    rms, mean = _rms_deg(error_rad[used]), round(float(off.mean()), DIGITS)
     if np.isnan(sd).all():
-        return AngleErrors(round(rms, DIGITS), None, None, None, samples, fraction)
-    stated = float(np.nanmedian(sd))
-    covered = float(np.mean(np.abs(off) <= QUANTILE_95 * sd))
+        return AngleErrors(rms, None, None, None, samples, fraction, mean, of_all)
+    stated = round(float(np.nanmedian(sd)), DIGITS)
+    covered = round(float(np.mean(np.abs(off) <= QUANTILE_95 * sd)), DIGITS)
     ratio = round(stated / rms, DIGITS)
-    return AngleErrors(
-        round(rms, DIGITS), round(stated, DIGITS), ratio, round(covered, DIGITS), samples, fraction
-    )
+    return AngleErrors(rms, stated, ratio, covered, samples, fraction, mean, of_all)
+
+
+def _rms_deg(error_rad: FloatArray) -> float:
+    return round(float(np.rad2deg(np.sqrt(np.mean(error_rad**2)))), DIGITS)
 
 
 def two_hinges(folder: Path) -> Numbers:
@@ -153,36 +160,6 @@ def one_hinge(folder: Path) -> Numbers:
     return chain_numbers(ONE_HINGE, folder)
 
 
-def two_hinges_record(executor: Any = None) -> Numbers | None:
-    """What the record ``real_two_hinges`` keeps; None if the recordings are not here.
-
-    Parameters
-    ----------
-    executor : not used: the study takes a minute
-    """
-    return _recorded(TWO_HINGES)
-
-
-def one_hinge_record(executor: Any = None) -> Numbers | None:
-    """What the record ``real_one_hinge`` keeps; None if the recordings are not here.
-
-    Parameters
-    ----------
-    executor : not used: the study takes a minute
-    """
-    return _recorded(ONE_HINGE)
-
-
-def _recorded(chain: Chain) -> Numbers | None:
-    folder = find_folder(chain.dataset)
-    if folder is None:
-        return None
-    numbers = chain_numbers(chain, folder)
-    numbers["summary"]["simulated"] = simulated_summary()
-    numbers["summary"]["simulated_as_real"] = simulated_summary(REAL)
-    return {"numbers": numbers, "inputs": numbers["files"]}
-
-
 def chain_numbers(chain: Chain, folder: Path) -> Numbers:
     """Errors of both angles in each recording of a chain, by each method, and their summary.
 
@@ -204,8 +181,9 @@ def chain_numbers(chain: Chain, folder: Path) -> Numbers:
         for name in (f"{stem}.csv.gz", f"{stem}_truth.csv.gz", geometry)
     ]
     rows = [
-        {"recording": stem, "method": method, **_errors_of(folder, stem, geometry, method)}
+        {"recording": stem, "method": method, **errors_of(one, method)}
         for stem, geometry in chain.recordings.items()
+        for one in [read_chain(folder, stem, geometry)]
         for method in METHODS
     ]
     return {
@@ -216,22 +194,75 @@ def chain_numbers(chain: Chain, folder: Path) -> Numbers:
     }
 
 
-def _errors_of(folder: Path, stem: str, geometry: str, method: Method) -> Numbers:
-    ride = read_recording(folder / f"{stem}.csv.gz")
-    path = folder / f"{stem}_truth.csv.gz"
+class ChainRecording(NamedTuple):
+    """One recording of a chain, with its reference.
+
+    Parameters
+    ----------
+    ride : Recording with sensors ``lever`` and ``body``
+    true_rad : (n, 2) array, rad, steering and throttle; NaN where the reference is lost
+    geometry : ScooterGeometry
+    mount : ScooterMount or None
+    """
+
+    ride: Recording
+    true_rad: FloatArray
+    geometry: ScooterGeometry
+    mount: ScooterMount | None
+
+    def estimate(self, settings: RideSettings) -> RideAngles:
+        """Both angles; the arguments are those of :func:`estimate_ride`."""
+        return estimate_ride(self.ride, self.geometry, self.mount, settings)
+
+    def error_rad(self, found: RideAngles) -> FloatArray:
+        """Found minus true, (n, 2) array, rad, wrapped."""
+        angles = np.column_stack([found.steering_rad, found.throttle_rad])
+        return wrap_angle(angles - self.true_rad)
+
+
+def read_chain(folder: Path, stem: str, geometry: str) -> ChainRecording:
+    """One recording and its reference.
+
+    Parameters
+    ----------
+    folder : of the data set
+    stem : of the recording's file
+    geometry : name of its geometry file
+
+    Returns
+    -------
+    ChainRecording
+    """
+    path, place = folder / f"{stem}_truth.csv.gz", folder / geometry
     truth = parse_numbers(read_text(path), separator=",", source=str(path))
-    true_rad = truth.columns([f"{angle}_rad" for angle in ANGLES])
-    place = folder / geometry
+    return ChainRecording(
+        read_recording(folder / f"{stem}.csv.gz"),
+        truth.columns([f"{angle}_rad" for angle in ANGLES]),
+        ScooterGeometry.from_toml(place),
+        ScooterMount.in_toml(place),
+    )
+
+
+def errors_of(chain: ChainRecording, method: Method) -> Numbers:
+    """Errors of both angles in one recording by one method.
+
+    Parameters
+    ----------
+    chain : ChainRecording
+    method : "fusion" or "closed-form"
+
+    Returns
+    -------
+    dict with :class:`AngleErrors` of each angle and ``warnings``, or ``refused`` alone
+    """
+    source = chain.ride.source
     try:
-        found = estimate_ride(
-            ride,
-            ScooterGeometry.from_toml(place),
-            ScooterMount.in_toml(place),
-            RideSettings(method=method),
-        )
+        found = chain.estimate(RideSettings(method=method))
     except InputError as error:
-        return {"refused": str(error).removeprefix(f"{ride.source}: ")}
-    return errors_by_angle(found, true_rad) | {"warnings": list(found.warnings)}
+        return {"refused": str(error).removeprefix(f"{source}: ")}
+    # No path of this machine in what is recorded.
+    warnings = [warning.removeprefix(f"{source}: ") for warning in found.warnings]
+    return errors_by_angle(found, chain.true_rad) | {"warnings": warnings}
 
 
 def errors_by_angle(found: RideAngles, true_rad: FloatArray) -> Numbers:
@@ -266,8 +297,8 @@ def summary_of(rows: Iterable[Numbers]) -> Numbers:
     dict from method to
         ``recordings``; ``refused``, how many the method refused; and for each angle
         ``median_rms_deg`` and ``worst_rms_deg`` over recordings, ``covered`` over all valid
-        samples, ``ratios_within_two``, number of recordings with the median stated deviation
-        between half and twice the actual error.
+        samples, ``median_ratio`` of stated over actual, and ``ratios_within_two``, number of
+        recordings with the median stated deviation between half and twice the actual error.
     """
     rows = list(rows)
     summary: Numbers = {}
@@ -297,6 +328,7 @@ def _over_recordings(errors: list[Numbers]) -> Numbers:
     if all(one["covered"] is not None for one in errors):
         covered = np.average([one["covered"] for one in errors], weights=weights)
         part["covered"] = round(float(covered), 4)
+        part["median_ratio"] = round(float(np.median([one["sd_ratio"] for one in errors])), 4)
         part["ratios_within_two"] = sum(0.5 <= one["sd_ratio"] <= 2 for one in errors)
     return part
 
