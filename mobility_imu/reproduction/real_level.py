@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Numbers = dict[str, float]
-SIDES_OF = ("data sheet", "real")
+LEVEL_NAMES = ("data sheet", "real")
 """Both levels, in the order of the table."""
 SCOOTERS, COURTS, WALKERS = 10, 20, 20
 """Seeds from 0: scooters that each drive five courses, courts, frames that walk twice."""
@@ -65,7 +65,7 @@ def scooter_numbers(level: str) -> Numbers:
 
     Parameters
     ----------
-    level : of :data:`SIDES_OF`
+    level : of :data:`LEVEL_NAMES`
 
     Returns
     -------
@@ -114,7 +114,7 @@ def court_row(seed: int, level: str) -> Numbers:
     Parameters
     ----------
     seed : of the court
-    level : of :data:`SIDES_OF`
+    level : of :data:`LEVEL_NAMES`
 
     Returns
     -------
@@ -164,7 +164,7 @@ def frame_row(seed: int, level: str) -> Numbers:
     Parameters
     ----------
     seed : of frame, user and sensor; the mountings of Table 1 take turns
-    level : of :data:`SIDES_OF`
+    level : of :data:`LEVEL_NAMES`
 
     Returns
     -------
@@ -257,14 +257,14 @@ def level_real(executor: Any = None) -> dict[str, Any]:
     dict with ``numbers``: work to level to name to number; under ``first`` those of the first
     ``court`` and ``frame`` at the level "real"
     """
-    levels = [(level,) for level in SIDES_OF]
+    levels = [(level,) for level in LEVEL_NAMES]
     scooters = run_all(scooter_numbers, levels, executor)
     numbers: dict[str, dict[str, Numbers]] = {
-        "scooter": dict(zip(SIDES_OF, scooters, strict=True)),
+        "scooter": dict(zip(LEVEL_NAMES, scooters, strict=True)),
         "wheelchair": {},
         "walker": {},
     }
-    for level in SIDES_OF:
+    for level in LEVEL_NAMES:
         courts = run_all(court_row, [(seed, level) for seed in range(COURTS)], executor)
         frames = run_all(frame_row, [(seed, level) for seed in range(WALKERS)], executor)
         numbers["wheelchair"][level] = court_summary(courts)

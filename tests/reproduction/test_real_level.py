@@ -22,7 +22,7 @@ def test_the_record_is_of_this_code():
 def test_every_number_of_the_record_is_shown_once(work):
     mine = [one.key for one in HEADLINES if one.work == work]
     assert len(set(mine)) == len(mine)
-    for level in real_level.SIDES_OF:
+    for level in real_level.LEVEL_NAMES:
         assert set(RECORD[work][level]) - COUNTS == set(mine)
         assert all(math.isfinite(value) for value in RECORD[work][level].values())
 
