@@ -11,7 +11,6 @@ from mobility_imu.reproduction.real_level_claims import HEADLINES, at_levels, wh
 from mobility_imu.reproduction.scorecard import WORKS, all_claims
 
 RECORD = recorded.numbers("level_real")
-COUNTS = {"rides", "courts", "frames"}
 
 
 def test_the_record_is_of_this_code():
@@ -19,11 +18,11 @@ def test_the_record_is_of_this_code():
 
 
 @pytest.mark.parametrize("work", WORKS)
-def test_every_number_of_the_record_is_shown_once(work):
+def test_the_record_has_every_headline_at_both_levels(work):
     mine = [one.key for one in HEADLINES if one.work == work]
-    assert len(set(mine)) == len(mine)
+    assert mine and len(set(mine)) == len(mine)
     for level in real_level.LEVEL_NAMES:
-        assert set(RECORD[work][level]) - COUNTS == set(mine)
+        assert set(mine) <= set(RECORD[work][level])
         assert all(math.isfinite(value) for value in RECORD[work][level].values())
 
 
