@@ -107,7 +107,8 @@ class Claim:
     needs_sample : whether the computation reads the public sample
     copied : whether our number is a setting that we took from the print, so that agreement says
         only that we copied it right
-    simulated : for a row on real recordings, the same measure on our simulated ones; NaN elsewhere
+    simulated : for a row on real recordings, the same measure on our simulated ones, and for a row
+        on sensors as bad as real ones the number with a data sheet's; NaN elsewhere
     simulated_as_real : likewise, with sensors as bad as real recordings show them
     """
 

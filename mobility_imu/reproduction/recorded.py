@@ -110,8 +110,13 @@ STUDIES: dict[str, Study] = {
     "real_feet": Study(
         "mobility_imu.reproduction.walker.real_feet",
         "real_feet",
-        "none: nothing is drawn",
+        "0 to 3 for the simulated walks",
         reads_recordings=True,
+    ),
+    "level_real": Study(
+        "mobility_imu.reproduction.real_level",
+        "level_real",
+        "0 to 9 for scooters, 0 to 19 for courts and frames",
     ),
 }
 """Every record by its name."""

@@ -20,6 +20,7 @@ from mobility_imu.reproduction.claims import (
 )
 from mobility_imu.reproduction.findings import Kind, findings
 from mobility_imu.reproduction.real_claims import real_claims
+from mobility_imu.reproduction.real_level_claims import level_claims
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -99,6 +100,7 @@ def all_claims(work: Work | None = None) -> list[Claim]:
         if work in (None, name):
             found += importlib.import_module(f"mobility_imu.reproduction.{name}.claims").claims()
             found += real_claims(name)
+            found += level_claims(name)
     return found
 
 

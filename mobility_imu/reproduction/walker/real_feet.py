@@ -34,8 +34,11 @@ from mobility_imu.reproduction.walker.real_sensors import (
     spectra,
 )
 from mobility_imu.reproduction.walker.real_walks import checksums, origin
+from mobility_imu.reproduction.walker.studies import Level, walking_study
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
+from mobility_imu.simulation.levels import REAL_LEVEL
+from mobility_imu.simulation.walker import RECTANGLE
 from mobility_imu.walker.error_state import NavigationState
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import NavigationSettings, integrate_strapdown
@@ -60,6 +63,9 @@ EDGES = (-np.inf, *np.arange(-4.0, 4.5, 0.5).tolist(), np.inf)
 SHOWN = ("13", "35")
 """Walks whose error is kept over time: one like most, and the worst."""
 SHOWN_HZ = 1.2
+
+SIMULATED_SEEDS = range(4)
+"""Of the simulated rectangles at the level of real sensors; each in five mountings."""
 
 WAYS: dict[str, tuple[NavigationSettings, bool]] = {
     "frame": (NavigationSettings(), True),
@@ -446,6 +452,7 @@ def real_feet(executor: Any = None) -> dict[str, Any] | None:
             for way in WAYS
         },
         "variants": {what: ways_summary([row[what] for row in varied]) for what in VARIANTS},
+        "simulated_as_real": simulated_as_real(executor),
         "sensors": sensors_summary([row["sensor"] for row in rows]),
         "edges": list(EDGES[1:-1]),
         "bins": bins,
@@ -459,6 +466,24 @@ def real_feet(executor: Any = None) -> dict[str, Any] | None:
         "summary": summary,
     }
     return {"numbers": numbers, "inputs": files}
+
+
+def simulated_as_real(executor: Any = None) -> dict[str, Any]:
+    """A walking frame around a rectangle with sensors as real recordings show them.
+
+    The record ``walker_walks`` has the same for the other levels, under ``smoothing``.
+
+    Parameters
+    ----------
+    executor : anything with ``submit``; None computes in this process
+
+    Returns
+    -------
+    dict: ``smoothed_rms_m`` (mean of the walks' errors) and ``walks``
+    """
+    levels = {"real": Level(REAL_LEVEL.sensor, REAL_LEVEL.imperfections)}
+    walks = walking_study(SIMULATED_SEEDS, RECTANGLE, levels, executor=executor)
+    return {"smoothed_rms_m": rounded(walks["rms_m"].mean(), 4), "walks": len(walks)}
 
 
 def kept(row: dict[str, Any]) -> dict[str, Any]:

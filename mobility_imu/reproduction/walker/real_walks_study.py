@@ -28,7 +28,7 @@ from mobility_imu.reproduction.walker.real_walks import (
     walk_row,
 )
 from mobility_imu.runs import runs_of
-from mobility_imu.simulation.levels import LEVELS, MOUNTS
+from mobility_imu.simulation.levels import LEVELS, MOUNTS, REAL_LEVEL
 from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
 from mobility_imu.walker.geometry import FOOTPRINT
 from mobility_imu.walker.mount import WalkerMount
@@ -166,14 +166,14 @@ def simulated_row(seed: int, level: str) -> dict[str, Any]:
     Parameters
     ----------
     seed : of the walk and of the sensor; the mounting is that of Table 1, row 1
-    level : of ``mobility_imu.simulation.levels.LEVELS``
+    level : of ``mobility_imu.simulation.levels.LEVELS``, or "real" for its ``REAL_LEVEL``
 
     Returns
     -------
     dict: ``level``, ``seed``, true and found ``steps``, medians as in :func:`walk_row`,
     ``still_percent``, ``end_sd_m``, ``end_error_m``, ``nis``
     """
-    chosen = LEVELS[level]
+    chosen = REAL_LEVEL if level == "real" else LEVELS[level]
     motion = simulate_walk(CORRIDOR, seed=seed, imperfections=chosen.imperfections)
     run = attach_imu(motion, MOUNTS["1"], chosen.sensor, seed=1000 + seed, unit_seed=seed)
     found = estimate_trajectory(run.recording, FOOTPRINT, MOUNTS["1"])
@@ -247,6 +247,9 @@ def real_walks(executor: Any = None) -> dict[str, Any] | None:
             for limit in BURST_LIMITS_MPS2
         ],
         "simulated": run_all(simulated_row, levels, executor),
+        "simulated_as_real": run_all(
+            simulated_row, [(seed, "real") for seed in SIMULATED_SEEDS], executor
+        ),
         "sensors": sensors_summary([row["sensor"] for row in rows]),
         "spectra": _walk_spectra(folder, names),
         "simulated_spectra": simulated_spectra("realistic"),
