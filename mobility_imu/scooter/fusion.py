@@ -192,7 +192,8 @@ def fuse_angles(
     sampling_rate_hz : Hz, even samples, at least ``SLOWEST_RATE_HZ``
     geometry : ScooterGeometry
     settings : FusionSettings; None is the default, with the noises taken from the recording
-    smooth : whether each angle uses the whole recording; False uses the past only
+    smooth : whether each angle uses the whole recording; False uses the past only, and states a
+        standard deviation that is too small, by 1.7 in simulated rides of 20 s
 
     Returns
     -------
@@ -344,7 +345,7 @@ def locked_rate(
     (n,) array, rad/s
     """
     lever, body = (
-        gyr - np.cross(c[6:9], gyr) - c[9:12] * gyr - c[12:15]
+        gyr - np.cross(c[6:9] + c[15:18], gyr) - c[9:12] * gyr - c[12:15]
         for gyr, c in ((lever_gyr, seen.constants), (body_gyr, seen.constants[BODY:]))
     )
     tip = seen.angles[:, 1] + geometry.lean_rad
@@ -397,6 +398,7 @@ def _start(
             settings.misalignment_sd_rad,
             settings.gyr_scale_sd,
             settings.bias_sd_radps,
+            settings.axes_apart_sd_rad,
         ],
         3,
     )

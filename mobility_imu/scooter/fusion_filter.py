@@ -35,10 +35,10 @@ __all__ = [
 
 STATES = 7
 """Steering, throttle, drift of both hinges' rates, disturbance in the lever's x, y, z."""
-CONSTANTS = 39
-"""For lever, then body: offset, scale, misalignment, gyroscope's scale and offset, each x, y, z;
-then the three lever arms."""
-BODY, ARMS = 15, 30
+CONSTANTS = 45
+"""For lever, then body: offset, scale, misalignment, gyroscope's scale and offset, and by how much
+its axes are off those of the accelerometer, each x, y, z; then the three lever arms."""
+BODY, ARMS = 18, 36
 """Where the body's errors and the lever arms begin among the constants."""
 SLOPE_SMOOTHING_S = 0.3
 """Time constant of the acceleration from which the filter takes its derivatives."""
@@ -94,9 +94,9 @@ class Estimate(NamedTuple):
     ----------
     state : (7,) array
     covariance : (7, 7) array, of the state if the constants were known
-    by_constants : (7, 39) array, derivative of the state's error by the constants' error
-    constants : (39,) array
-    constants_covariance : (39, 39) array
+    by_constants : (7, 45) array, derivative of the state's error by the constants' error
+    constants : (45,) array
+    constants_covariance : (45, 45) array
     slow : (3,) array, m/s², smoothed acceleration of the body
     """
 
@@ -117,7 +117,7 @@ class Chunk(NamedTuple):
     sd : (n, 2) array, rad, of both angles with what the constants add; undefined with ``keep``
     residuals : (n, 3) array, m/s², before each correction, the disturbance among them
     gains : (n, 7, 7) array, of the smoother from the sample after to this one
-    offsets, remainders, couplings : (n, 7), (n, 7, 7) and (n, 7, 39) arrays: the smoothed state is
+    offsets, remainders, couplings : (n, 7), (n, 7, 7) and (n, 7, 45) arrays: the smoothed state is
         ``gain @ state after + offset + coupling @ constants``, its covariance has the remainder
     """
 
@@ -182,7 +182,7 @@ def reading_errors(reading: FloatArray) -> FloatArray:
 @compiled()
 def _true_rate(reading: FloatArray, c: FloatArray, at: int) -> FloatArray:
     """Rate of the sensor whose errors begin at ``at``, without them."""
-    x, y, z = c[at + 6], c[at + 7], c[at + 8]
+    x, y, z = c[at + 6] + c[at + 15], c[at + 7] + c[at + 16], c[at + 8] + c[at + 17]
     a, b, d = reading[0], reading[1], reading[2]
     return np.array(
         [
@@ -225,11 +225,12 @@ def predict(
     v = f @ before.by_constants
     p = f @ before.covariance @ f.T
     for at, rate, by_rate in ((0, lever_rate, by_lever), (BODY, body_rate, by_body)):
-        # Columns of reading_errors are offset, scale, misalignment; the gyroscope's offset is last.
+        # Columns of reading_errors are offset, scale, misalignment.
         columns = dt * (by_rate @ reading_errors(rate))
         v[:2, at + 12 : at + 15] -= columns[:, :3]
         v[:2, at + 9 : at + 12] -= columns[:, 3:6]
         v[:2, at + 6 : at + 9] -= columns[:, 6:]
+        v[:2, at + 15 : at + 18] -= columns[:, 6:]
     for i in range(2):
         p[i, i] += model.drift[0]
         p[2 + i, 2 + i] += model.drift[1]
@@ -310,7 +311,7 @@ def correct(
     ----------
     x, p, v, c, m : state, covariance, by_constants, constants and their covariance, as in Estimate
     residual : (3,) array, m/s²
-    h, by_c : (3, 7) and (3, 39) arrays, slopes by the state and by the constants
+    h, by_c : (3, 7) and (3, 45) arrays, slopes by the state and by the constants
     noise : (m/s²)², per axis
     huber : a residual beyond this many sd counts less: blows are far from Gaussian
 

@@ -24,6 +24,7 @@ SETTING_LIMITS = {
     "acc_offset_sd_mps2": (1e-6, 10.0),
     "acc_scale_sd": (1e-6, 1.0),
     "misalignment_sd_rad": (1e-6, 1.0),
+    "axes_apart_sd_rad": (1e-6, 1.0),
     "gyr_scale_sd": (1e-6, 1.0),
     "lever_arm_sd_m": (1e-6, 10.0),
     "flexing_sd_rad": (1e-8, 1.0),
@@ -53,7 +54,9 @@ class FusionSettings:
 
     The sizes are those of uncalibrated consumer sensors, stuck on by hand: zero-g offset 20 to 50
     mg at most (data sheets of InvenSense MPU-6050, Bosch BMI160, ST LSM6DS3), 15 mg as one standard
-    deviation; scale up to 3 %, cross-axis 1 to 2 % at most, and half a degree by hand.
+    deviation; scale up to 3 %, cross-axis 1 to 2 % at most, and half a degree by hand; a gyroscope
+    reads up to 3 deg/s at rest, 1.1 deg/s as one standard deviation. What a bent scale, a cable or
+    warmth do to an acceleration lasts as long as a posture, ten seconds.
 
     Parameters
     ----------
@@ -61,8 +64,8 @@ class FusionSettings:
         what eq. 5 makes of the body's; None takes it from the recording
     acc_step_mps2 : m/s², step of the coarser converter: the least that a recording's noise can be;
         None takes it from the readings, whose axes must then be the sensors' own
-    disturbance_sd_mps2 : m/s², coloured noise of that difference (first-order Gauss-Markov): slow
-        vibration, what flexes; None takes it from the recording
+    disturbance_sd_mps2 : m/s², coloured noise of that difference (first-order Gauss-Markov): what
+        flexes, bends and warms; None takes it from the recording
     disturbance_time_s : s, its correlation time
     rate_noise_radps_sqrthz : rad/s per square root of Hz, density of the noise of the difference
         of the rates (two gyroscopes, flexing); None takes it from the recording
@@ -72,6 +75,8 @@ class FusionSettings:
     acc_scale_sd : relative error of each accelerometer's scale
     misalignment_sd_rad : rad, by which the axes of an IMU are off about each axis: cross-axis
         sensitivity and mounting together
+    axes_apart_sd_rad : rad, by which the axes of a gyroscope are off those of the accelerometer
+        beside it: cross-axis sensitivity
     gyr_scale_sd : relative error of each gyroscope's scale
     lever_arm_sd_m : m, distances of both IMUs and of both hinges' axes
     flexing_sd_rad : rad, by which the IMUs turn against what they sit on; the angles are those of
@@ -88,13 +93,14 @@ class FusionSettings:
     acc_sd_mps2: float | None = None
     acc_step_mps2: float | None = None
     disturbance_sd_mps2: float | None = None
-    disturbance_time_s: float = 0.3
+    disturbance_time_s: float = 10.0
     rate_noise_radps_sqrthz: float | None = None
-    bias_sd_radps: float = 0.01
+    bias_sd_radps: float = 0.02
     bias_walk_radps: float = 1e-4
     acc_offset_sd_mps2: float = 0.15
     acc_scale_sd: float = 0.01
     misalignment_sd_rad: float = 0.0125
+    axes_apart_sd_rad: float = 0.01
     gyr_scale_sd: float = 0.01
     lever_arm_sd_m: float = 0.3
     flexing_sd_rad: float | None = None

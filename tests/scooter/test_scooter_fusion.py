@@ -54,6 +54,7 @@ STATED = FusionSettings(
     acc_offset_sd_mps2=1e-5,
     acc_scale_sd=1e-6,
     misalignment_sd_rad=1e-6,
+    axes_apart_sd_rad=1e-6,
     gyr_scale_sd=1e-6,
     lever_arm_sd_m=1e-6,
     flexing_sd_rad=1e-6,

@@ -65,7 +65,12 @@ def test_angles_of_a_turned_wheel(method, mount):
     """Mounts of 3 deg are taken out again; left in, they cost the steering more than 2."""
     ride, steering, throttle = turning(mount=mount)
     exact = FusionSettings(
-        acc_offset_sd_mps2=1e-3, acc_scale_sd=1e-4, misalignment_sd_rad=1e-4, lever_arm_sd_m=1e-3
+        acc_offset_sd_mps2=1e-3,
+        acc_scale_sd=1e-4,
+        misalignment_sd_rad=1e-4,
+        lever_arm_sd_m=1e-3,
+        axes_apart_sd_rad=1e-4,
+        disturbance_sd_mps2=0.01,
     )
     settings = RideSettings(method=method, fusion=exact)
     found = estimate_ride(ride, SUZUKI_ET4D, mount, settings)
