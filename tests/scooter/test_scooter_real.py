@@ -9,9 +9,9 @@ from mobility_imu.readers import read_recording
 from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount, estimate_ride
 
 # Largest rms of steering and throttle, deg. Two hinges: what qmt 0.2.4 gives on the same file with
-# its heading correction for two axes, and a tenth, or less, but for the steering on foam, where qmt is
-# better (4.4 to 4.6 deg); one hinge: what its sensors' offsets of 0.02 g make of a shaft that leans
-# by 20 deg.
+# its heading correction for two axes, and a tenth, or less; but on foam its steering is better than
+# ours (4.4 to 4.6 deg). One hinge: what its sensors' offsets of 0.02 g make of a shaft that leans by
+# 20 deg.
 LIMITS = {
     ("two-hinges", "trial1_rigid"): (2.97, 6.05),
     ("two-hinges", "trial1_foam"): (7.0, 10.6),
