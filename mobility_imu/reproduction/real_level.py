@@ -15,12 +15,8 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.errors import InputError
 from mobility_imu.executors import run_all
 from mobility_imu.filters import rms
-from mobility_imu.reproduction.scooter.driving import (
-    ANGLES,
-    Conditions,
-    StudySettings,
-    driving_study,
-)
+from mobility_imu.reproduction.scooter.driving import StudySettings, driving_study
+from mobility_imu.reproduction.scooter.driving_rides import ANGLES, Conditions
 from mobility_imu.reproduction.scooter.real_hinges import simulated_summary
 from mobility_imu.reproduction.wheelchair.slip_study import speed_errors
 from mobility_imu.simulation.levels import LEVELS, MOUNTS, REAL_LEVEL, tilt_run, unit_of

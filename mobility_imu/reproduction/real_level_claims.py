@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from mobility_imu.reproduction.claims import Claim, Work
 from mobility_imu.reproduction.real_claims import COVERED_FROM, LEAST_COVERED
 from mobility_imu.reproduction.recorded import numbers
-from mobility_imu.reproduction.scooter.driving import ANGLES
+from mobility_imu.reproduction.scooter.driving_rides import ANGLES
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,7 +10,7 @@ from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount, es
 
 # Largest rms of steering and throttle, deg. Two hinges: what qmt 0.2.4 gives on the same file with
 # its heading correction for two axes, and a tenth, or less; but on foam its steering is better than
-# ours (4.4 to 4.6 deg). One hinge: what its sensors' offsets of 0.02 g make of a shaft that leans by
+# ours (4.4 to 4.6 deg). One hinge: what offsets of 0.02 g make of a shaft that leans by
 # 20 deg.
 LIMITS = {
     ("two-hinges", "trial1_rigid"): (2.97, 6.05),
