@@ -122,3 +122,10 @@ def test_figures_show_what_is_recorded():
     labels = [line.get_label() for line in plots.plot_constant_errors(one["series"]).axes[1].lines]
     assert labels[0] == "pitch_slow, steering" and len(labels) == 5
     plt.close("all")
+
+
+def test_recordings_held_back_have_both_angles_and_none_is_in_a_record():
+    pairs = {(row.recording, row.angle) for row in page.HELD_BACK}
+    held = {recording for recording, _ in pairs}
+    assert len(pairs) == len(page.HELD_BACK) == 2 * len(held)
+    assert not held & {name for record in RECORDS for name in page.hinge_numbers(record)["series"]}

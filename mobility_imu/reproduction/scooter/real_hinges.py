@@ -297,8 +297,9 @@ def summary_of(rows: Iterable[Numbers]) -> Numbers:
     dict from method to
         ``recordings``; ``refused``, how many the method refused; and for each angle
         ``median_rms_deg`` and ``worst_rms_deg`` over recordings, ``covered`` over all valid
-        samples, ``median_ratio`` of stated over actual, and ``ratios_within_two``, number of
-        recordings with the median stated deviation between half and twice the actual error.
+        samples, ``median_ratio`` of stated over actual and ``worst_ratio``, that of the recording
+        with the worst error, and ``ratios_within_two``, number of recordings with the median stated
+        deviation between half and twice the actual error.
     """
     rows = list(rows)
     summary: Numbers = {}
@@ -329,6 +330,7 @@ def _over_recordings(errors: list[Numbers]) -> Numbers:
         covered = np.average([one["covered"] for one in errors], weights=weights)
         part["covered"] = round(float(covered), 4)
         part["median_ratio"] = round(float(np.median([one["sd_ratio"] for one in errors])), 4)
+        part["worst_ratio"] = errors[int(np.argmax(rms))]["sd_ratio"]
         part["ratios_within_two"] = sum(0.5 <= one["sd_ratio"] <= 2 for one in errors)
     return part
 

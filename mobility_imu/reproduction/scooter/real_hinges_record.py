@@ -47,7 +47,22 @@ QUIET_S = 1.0
 """Shortest rest of which an offset is taken."""
 NOTHING = 1e-8
 """Size of an error that a variant leaves out; as small as the filter takes it."""
-SWEPT = ("acc_offset_sd_mps2", "misalignment_sd_rad")
+CONSTANTS = (
+    "acc_offset_sd_mps2",
+    "misalignment_sd_rad",
+    "axes_apart_sd_rad",
+    "lever_arm_sd_m",
+    "acc_scale_sd",
+    "gyr_scale_sd",
+)
+"""Errors that stay as they are in a recording, beside the gyroscopes' offsets."""
+SWEPT = (
+    "acc_offset_sd_mps2",
+    "misalignment_sd_rad",
+    "axes_apart_sd_rad",
+    "bias_sd_radps",
+    "disturbance_time_s",
+)
 """Assumed sizes that are halved and doubled, beside the clock's."""
 
 
@@ -296,7 +311,7 @@ def settings_variants(one: ChainRecording) -> list[Numbers]:
     """
     usual = FusionSettings()
     clock_s = 0.5 / one.ride.sampling_rate_hz
-    constants = dict.fromkeys((*SWEPT, "lever_arm_sd_m", "acc_scale_sd", "gyr_scale_sd"), 1e-6)
+    constants = dict.fromkeys(CONSTANTS, 1e-6)
     white = {"disturbance_sd_mps2": 1e-6, "flexing_sd_rad": NOTHING, "clock_sd_s": NOTHING}
     variants = {
         "as it is": RideSettings(method="fusion"),
