@@ -36,6 +36,19 @@ def assigned(name):
     return frozenset(found)
 
 
+@cache
+def described(name):
+    """Data of a module that have a docstring, and so a place on its page."""
+    body = ast.parse(Path(importlib.import_module(name).__file__).read_text()).body
+    found = set()
+    for node, after in zip(body, body[1:], strict=False):
+        text = isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
+        if text and isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            found |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return frozenset(found)
+
+
 def home(package, name):
     """Module of a package, or beside it, that defines a name which the package offers."""
     value = getattr(importlib.import_module(package), name)
@@ -84,7 +97,10 @@ def public_lines(package):
     for name, module in offered(package):
         target = f"{package}.{name}" if module is None else f"{module}.{name}"
         role = "py:mod" if module is None else "py:obj"
-        lines += [f"   * - :{role}:`{name} <{target}>`"]
+        value = getattr(importlib.import_module(package), name)
+        shown = inspect.isclass(value) or inspect.isroutine(value) or module is None
+        linked = shown or name in described(module)
+        lines += [f"   * - :{role}:`{name} <{target}>`" if linked else f"   * - ``{name}``"]
         lines += [f"     - {first_line(package, name, module)}"]
     return lines
 
@@ -121,8 +137,15 @@ class ModuleList(PublicApi):
     lines_of = staticmethod(module_lines)
 
 
+def no_type(app, what, name, obj, options, lines):
+    """Docstrings of data have no type before a colon, as napoleon takes it: write another mark."""
+    if what in ("attribute", "data", "property") and lines:
+        lines[0] = lines[0].replace(": ", "; ")
+
+
 def setup(app):
     """Register the directives."""
+    app.connect("autodoc-process-docstring", no_type, priority=400)  # before napoleon
     app.add_directive("public-api", PublicApi)
     app.add_directive("module-list", ModuleList)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

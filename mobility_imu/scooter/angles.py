@@ -297,13 +297,13 @@ def estimate_angles(
         observable, that is, ``|K2|`` (the lever arm of the steering) and the part of the
         acceleration across the lever's axis (that of the throttle) are longer than
         :data:`OBSERVABILITY_LIMIT` times the whole; where the sensors are at rest or in slow drive,
-        by the lengths of their readings (:data:`LARGEST_ERROR_RAD`) and the body's direction
-        (:data:`LARGEST_LEAN_RAD`); and for "printed" also where C1 > 0, K1 > 0 and the lever's z
+        by the lengths of their readings (``LARGEST_ERROR_RAD``) and the body's direction
+        (``LARGEST_LEAN_RAD``); and for "printed" also where C1 > 0, K1 > 0 and the lever's z
         component > 0.
         An angle that is not valid is as the formula left it: perhaps NaN, never to be trusted.
         ``valid`` cannot see the mirror solution, an unknown slope, or an acceleration across
         gravity of one IMU only, which changes no length.
-        ``warnings`` says if more than :data:`ACCELERATED_FRACTION` of the samples were accelerated.
+        ``warnings`` says if more than ``ACCELERATED_FRACTION`` of the samples were accelerated.
 
     Raises
     ------

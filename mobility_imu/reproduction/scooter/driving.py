@@ -273,7 +273,7 @@ def estimate_ride(
     Parameters
     ----------
     ride : SimulatedRide
-    moving : (n,) bool array, see :func:`motion_and_truth`
+    moving : (n,) bool array, see ``motion_and_truth``
     estimators : names from :data:`ESTIMATORS`
     corrections : rotations of both IMUs to {T} and {B}; None for none
     window : samples of the paper's median

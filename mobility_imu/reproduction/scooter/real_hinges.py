@@ -211,7 +211,7 @@ class ChainRecording(NamedTuple):
     mount: ScooterMount | None
 
     def estimate(self, settings: RideSettings) -> RideAngles:
-        """Both angles; the arguments are those of :func:`estimate_ride`."""
+        """Both angles; the arguments are those of ``estimate_ride``."""
         return estimate_ride(self.ride, self.geometry, self.mount, settings)
 
     def error_rad(self, found: RideAngles) -> FloatArray:

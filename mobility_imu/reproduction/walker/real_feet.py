@@ -1,6 +1,6 @@
 """Walker's filter and smoother on feet: the path beside that of a motion capture system.
 
-The sensor is on a foot, see ``foot-walks`` in :mod:`mobility_imu.datasets`; a foot is not the
+The sensor is on a foot, see ``foot-walks`` in ``datasets``; a foot is not the
 walker's device. It is the one public recording by which its filter can be judged. Given to the
 filter are the rests (the origin's best mask); fitted is the heading's zero. The mount is made from
 the gravity of the first half second.

@@ -1,7 +1,7 @@
 """Walker on real walks: steps found beside those that the recordings' authors labelled.
 
 The walks are of a frame with one IMU on it, see ``labelled-walks`` in
-:mod:`mobility_imu.datasets`. Known are windows of two seconds that their authors cut out as steps.
+``datasets``. Known are windows of two seconds that their authors cut out as steps.
 Footprint, place of the sensor, which way is forward, course and person are not known: an assumed
 mount stands for them. So steps can be judged here, the path cannot.
 """

@@ -61,7 +61,7 @@ def counted(
 
     Parameters
     ----------
-    folder, name : as for :func:`load_walk`
+    folder, name : as for ``load_walk``
     limits : factor on both limits of the stillness detector
     least_length_m : m, a shorter move is no step; None leaves it as it is, 0 lets every move count
     offset_degps : deg/s, added to the gyroscope's upward axis
@@ -123,7 +123,7 @@ def burst_counts(folder: Path, name: str, limit_mps2: float) -> tuple[int, int, 
 
     Parameters
     ----------
-    folder, name : as for :func:`load_walk`
+    folder, name : as for ``load_walk``
     limit_mps2 : m/s²
 
     Returns
@@ -170,7 +170,7 @@ def simulated_row(seed: int, level: str) -> dict[str, Any]:
 
     Returns
     -------
-    dict: ``level``, ``seed``, true and found ``steps``, medians as in :func:`walk_row`,
+    dict: ``level``, ``seed``, true and found ``steps``, medians as in ``walk_row``,
     ``still_percent``, ``end_sd_m``, ``end_error_m``, ``nis``
     """
     chosen = REAL_LEVEL if level == "real" else LEVELS[level]
@@ -268,7 +268,7 @@ def summarised(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
     Parameters
     ----------
-    rows : from :func:`walk_row`
+    rows : from ``walk_row``
 
     Returns
     -------
@@ -290,7 +290,7 @@ def totals(rows: list[dict[str, Any]]) -> dict[str, int]:
 
     Parameters
     ----------
-    rows : from :func:`walk_row`
+    rows : from ``walk_row``
     """
     return {name: sum(row[name] for row in rows) for name in ("labels", "found", "others")}
 

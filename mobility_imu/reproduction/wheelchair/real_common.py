@@ -230,7 +230,7 @@ def origin_of(dataset: str) -> str:
 
     Parameters
     ----------
-    dataset : name, as in :func:`~mobility_imu.datasets.list_datasets`
+    dataset : name, as in ``list_datasets``
 
     Returns
     -------
