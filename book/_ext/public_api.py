@@ -11,6 +11,7 @@ import inspect
 import re
 import sys
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 from docutils import nodes
@@ -41,7 +42,7 @@ def described(name):
     """Data of a module that have a docstring, and so a place on its page."""
     body = ast.parse(Path(importlib.import_module(name).__file__).read_text()).body
     found = set()
-    for node, after in zip(body, body[1:], strict=False):
+    for node, after in pairwise(body):
         text = isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
         if text and isinstance(node, ast.Assign | ast.AnnAssign):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
