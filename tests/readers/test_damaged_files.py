@@ -344,6 +344,7 @@ def test_the_sections_are_those_that_the_devices_read(tmp_path):
     eye = "[[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
     values = {"translation_body_m": "[0.4, 0.0, 0.6]", "translation_sd_m": "[0.1, 0.1, 0.1]"}
     values["rotation_sd_rad"] = "[0.1, 0.1, 0.1]"
+    values["sd_rad"] = "[0.1, 0.1, 0.1, 0.1, 0.1, 0.1]"
     mounts = [
         f"[{name}]\n" + "".join(f"{key} = {values.get(key, eye)}\n" for key in keys)
         for name, keys in MOUNT_KEYS.items()
@@ -357,7 +358,7 @@ def test_the_sections_are_those_that_the_devices_read(tmp_path):
     assert set(SECTIONS) == {line[1:-1] for line in path.read_text().split("\n") if "[" in line[:1]}
     for device in (ScooterGeometry, WheelchairGeometry, WalkerGeometry):
         device.from_toml(path)
-    assert ScooterMount.from_toml(path) is not None
+    assert ScooterMount.from_toml(path).sd_rad.tolist() == 6 * [0.1]
     assert WalkerMount.from_toml(path).rotation_sd_rad.tolist() == [0.1, 0.1, 0.1]
 
 
