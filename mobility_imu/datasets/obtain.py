@@ -160,7 +160,7 @@ class ZipFiles:
 
 @contextmanager
 def _written(cache: Path) -> Iterator[None]:
-    """Say in one line that the cache cannot be written: no permission, a full disk."""
+    """State in one line that the cache cannot be written: no permission, a full disk."""
     try:
         yield
     except OSError as error:

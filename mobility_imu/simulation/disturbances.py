@@ -28,8 +28,8 @@ class Delivery:
     ----------
     late_s : s, a sensor's clock is late by up to this, evenly drawn per power-up
     jitter_s : s, sd of the time at which a sample was really taken
-    doubled_share : 1, share of samples that repeat the sample before
-    filled_share : 1, share of samples that got lost and lie on a line between their neighbours
+    doubled_share : 1, fraction of samples that repeat the sample before
+    filled_share : 1, fraction of samples that got lost and lie on a line between their neighbours
     """
 
     late_s: float = 0.0

@@ -99,7 +99,7 @@ class SensorModel:
     g_sensitivity_sd : (rad/s)/(m/s²), each gyroscope axis responds to each acceleration by this
     clock_rate_sd : 1, relative error of the sampling rate, drawn per unit
     clock_jitter_s : s, sd of each sample's time
-    dropped_share : 1, share of samples that get lost
+    dropped_share : 1, fraction of samples that get lost
     delivery : Delivery of the samples to the clock of a joined recording
     vibration : of VibrationBand, what the sensor sits on, at the simulator's full speed
     """

@@ -447,7 +447,7 @@ def _round_trip_deg() -> tuple[float, float]:
 
 
 def _observable_share() -> float:
-    """Share of the controls' positions at which the package calls the angles valid."""
+    """Fraction of the controls' positions at which the package calls the angles valid."""
     wheel, press = np.meshgrid(np.deg2rad(np.linspace(-50, 50, 101)), np.deg2rad([0, 20, 40]))
     lever = lever_acceleration(body_specific_force(0.0, 0.0), wheel, press, SUZUKI_ET4D)
     return float(estimate_angles(lever, None, SUZUKI_ET4D).valid.mean())

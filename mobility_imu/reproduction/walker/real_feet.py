@@ -287,7 +287,7 @@ def foot_row(folder: Path, name: str) -> dict[str, Any]:
     motion capture itself moves faster than ``JUMP_MPS``; for each of ``WAYS`` what :func:`judged`
     gives with the path's ``warnings``, or ``refused``; ``detector_still_percent``;
     ``strapdown_rms_m`` by integration with the velocity set to zero in rests, without a filter;
-    ``start_rms_m`` of a foot that is said to stay at the start; ``sensor``
+    ``start_rms_m`` of an estimate that stays at the start; ``sensor``
     """
     foot = load_foot(folder, name)
     time, place = foot.recording.time_s, foot.place_m

@@ -245,7 +245,7 @@ def _tables_apart(course: str, walks: pd.DataFrame) -> list[dict[str, Any]]:
     """How far the two methods' closing errors differ, over how far their positions do.
 
     Positions are compared on the floor, as the tables' x and y are. Eq. 27 corrects both ends for
-    the lever arm; "end only" is end of the frame less start of the IMU. The share "as turned" has
+    the lever arm; "end only" is end of the frame less start of the IMU. "As turned" has
     the ratio of eq. 28 for the turn between both ends, to 0.05.
     """
     key = ["level", "seed", "pose"]

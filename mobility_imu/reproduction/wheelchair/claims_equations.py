@@ -196,7 +196,7 @@ def _our_printed_form(equations: str, angles: Callable[..., AlignmentAngles]) ->
 
 
 def _outward_share(facing: Facing) -> float:
-    """Share of 2 x 1000 tilted wheel sensors whose printed axle is the outward one."""
+    """Fraction of 2 x 1000 tilted wheel sensors whose printed axle is the outward one."""
     right = []
     for seed in range(COUNT):
         mounting = facing_mounting(facing, seed)

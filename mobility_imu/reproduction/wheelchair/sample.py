@@ -220,7 +220,7 @@ def yaw_gain(
     Returns
     -------
     factor : 1 if they agree
-    share of the speed : rad/m, 0 if the radii are right
+    part of the speed : rad/m, 0 if the radii are right
     """
     turning = side_sign(side) * yaw_rate_radps > SMALLEST_TURN_RADPS
     causes = np.column_stack([yaw_rate_radps, linear_velocity_mps])[turning]
