@@ -6,6 +6,7 @@ import re
 import shlex
 import sys
 import tomllib
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -172,3 +173,39 @@ def test_the_readmes_examples_run_from_an_empty_folder(check, monkeypatch, tmp_p
         capsys.readouterr()
         exec(compile(python, "first example", "exec"), {})
         assert "time_s" in capsys.readouterr().out.replace("lift_s", "time_s")
+
+
+def shown_runs(page):
+    """Commands of a page that are followed by what they print, with these lines."""
+    joined = re.sub(r"\\\n\s*", "", page)
+    blocks = [
+        [line[4:] for line in block.splitlines()]
+        for block in re.findall(r"(?:^ {4}.*\n)+", joined, flags=re.MULTILINE)
+    ]
+    return [
+        (before[-1], block) for before, block in pairwise(blocks) if block[0].startswith("read: ")
+    ]
+
+
+def test_the_readme_shows_what_its_commands_print(check, tmp_path, monkeypatch, capfd):
+    """Words are the same, numbers to 2 % or 0.1, their last digit."""
+    monkeypatch.chdir(tmp_path)
+    expected = dict(shown_runs(README))
+    assert len(expected) == 3
+    for command in check.examples(README):
+        monkeypatch.setattr("sys.argv", shlex.split(command))
+        with pytest.raises(SystemExit) as left:
+            main()
+        printed = capfd.readouterr().err.splitlines()
+        assert left.value.code == 0, printed
+        if command not in expected:
+            continue
+        shown = expected.pop(command)
+        number = r"-?\d+(?:\.\d+)?"
+        assert [re.sub(number, "#", line) for line in printed[: len(shown)]] == [
+            re.sub(number, "#", line) for line in shown
+        ]
+        for one, other in zip(printed, shown, strict=False):
+            values = (list(map(float, re.findall(number, line))) for line in (one, other))
+            assert next(values) == pytest.approx(next(values), rel=0.02, abs=0.1)
+    assert not expected, "shown, but not among the commands"
