@@ -7,22 +7,18 @@ named by MOBILITY_IMU_RECORDINGS or fetched, its numbers are computed again and 
 
 from __future__ import annotations
 
-import hashlib
 import importlib
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from mobility_imu.data import recorded_folder
-from mobility_imu.datasets.catalogue import find_dataset
 from mobility_imu.datasets.folders import RECORDINGS_VARIABLE, find_folder
-from mobility_imu.errors import InputError
 from mobility_imu.frames import one_of
 from mobility_imu.reproduction.claims import Work
+from mobility_imu.reproduction.real_files import Numbers, lacking_files
 
-Numbers = dict[str, Any]
 State = Literal["as recorded", "differs", "other files", "not here", "no record"]
 STATES: tuple[State, ...] = ("as recorded", "differs", "other files", "not here", "no record")
 RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 0.01, 1e-3
@@ -265,62 +261,6 @@ def _study(name: str) -> Callable[[], Numbers | None]:
         importlib.import_module(study.module), study.function
     )
     return function
-
-
-def origin_of(dataset: str) -> str:
-    """Where a data set is from, for its record.
-
-    Parameters
-    ----------
-    dataset : name by which it is fetched
-
-    Returns
-    -------
-    str with address, commit and licence
-    """
-    found = find_dataset(dataset)
-    return f"{found.origin} at {found.commit}; licence: {found.licence}"
-
-
-def checksums(folder: Path, names: Iterable[str]) -> dict[str, str]:
-    """SHA-256 of files.
-
-    Parameters
-    ----------
-    folder : that holds them
-    names : of the files in it
-
-    Returns
-    -------
-    dict from name to 64 hexadecimal digits
-
-    Raises
-    ------
-    InputError
-        If a file is not there.
-    """
-    sums = {}
-    for name in names:
-        path = folder / name
-        if not path.is_file():
-            raise InputError(f"{path}: no such file")
-        sums[name] = hashlib.sha256(path.read_bytes()).hexdigest()
-    return sums
-
-
-def lacking_files(folder: Path, names: Iterable[str]) -> list[str]:
-    """Files that a folder lacks.
-
-    Parameters
-    ----------
-    folder : of a data set
-    names : that are looked for
-
-    Returns
-    -------
-    list of str
-    """
-    return [name for name in names if not (folder / name).is_file()]
 
 
 def differing(found: Any, recorded: Any, place: str = "") -> Iterator[tuple[str, Any, Any]]:

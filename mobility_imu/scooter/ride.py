@@ -9,16 +9,23 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from mobility_imu.arguments import check_columns, expect, for_each, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.filters import median_filter
-from mobility_imu.frames import FloatArray, as_count, as_number, one_of
+from mobility_imu.frames import FloatArray, as_count, as_number, one_of, wrap_angle
 from mobility_imu.quality import frozen_samples, saturated_samples, turned_gravity
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
-from mobility_imu.scooter.angles import Form, angle_standard_deviations, estimate_angles
-from mobility_imu.scooter.fusion import fuse_angles
+from mobility_imu.scooter.angles import (
+    ACCELERATED_FRACTION,
+    LARGEST_ERROR_RAD,
+    Form,
+    angle_standard_deviations,
+    estimate_angles,
+)
+from mobility_imu.scooter.fusion import FusedAngles, fuse_angles
 from mobility_imu.scooter.fusion_noise import smallest_step
 from mobility_imu.scooter.fusion_settings import FusionSettings
 from mobility_imu.scooter.geometry import ScooterGeometry
@@ -34,6 +41,8 @@ LARGEST_NOISE_MPS2 = 100.0
 """Largest noise of an accelerometer that settings may state."""
 PAPER_MEDIAN_S = (0.2, 0.3)
 """Length of a median that passes for the paper's, which is 0.25 s."""
+ODDS_S = 1.0
+"""Time over which accelerations are averaged before fused angles are held against them."""
 
 
 @dataclass(frozen=True)
@@ -104,8 +113,8 @@ class RideAngles(Result):
     steering_rad, throttle_rad : (n,) arrays, rad, positive to the left and with the lever pushed
     steering_sd_rad, throttle_sd_rad : (n,) arrays, rad, one standard deviation by the sensors'
         noise; NaN for the closed form without a stated noise
-    valid : (n,) bool array: the method trusts the sample, and no accelerometer that is used is
-        frozen or saturated
+    valid : (n,) bool array: the method trusts the sample, no accelerometer that is used is frozen
+        or saturated, and the accelerations do not contradict the filter
     settings : RideSettings; with fusion, ``settings.fusion`` has the sizes that were used
     warnings : sentences for the user
     """
@@ -235,8 +244,9 @@ def _estimate(
         settings = dataclasses.replace(settings, fusion=_fusion_settings(settings, acc, mount))
     try:
         if settings.method == "fusion":
-            angles, used = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
+            angles, used, odds = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
             settings = dataclasses.replace(settings, fusion=used)
+            warnings += [f"{ride.source}: {warning}" for warning in odds]
         else:
             angles, accelerated = _closed_form(acc, geometry, mount, settings)
             warnings += [f"{ride.source}: {warning}" for warning in accelerated]
@@ -365,7 +375,8 @@ def _fused(
     geometry: ScooterGeometry,
     mount: ScooterMount | None,
     settings: RideSettings,
-) -> tuple[tuple[Any, ...], FusionSettings]:
+) -> tuple[tuple[Any, ...], FusionSettings, tuple[str, ...]]:
+    """Angles, standard deviations and flags; what was used; warnings."""
     lever_acc, body_acc = _turned(acc, mount)
     lever_gyr, body_gyr = _turned(gyr, mount)
     assert body_acc is not None and body_gyr is not None
@@ -379,11 +390,44 @@ def _fused(
         settings.fusion,
         smooth=settings.smooth,
     )
+    contradicted = _contradicted(found, lever_acc, body_acc, sampling_rate_hz, geometry)
     angles = (
         found.steering_rad,
         found.throttle_rad,
         found.steering_sd_rad,
         found.throttle_sd_rad,
-        found.valid,
+        found.valid & ~contradicted,
     )
-    return angles, found.settings
+    fraction = float(contradicted.mean())
+    if fraction <= ACCELERATED_FRACTION:
+        return angles, found.settings, ()
+    warning = (
+        f"the filter's steering contradicts the accelerations around it in {fraction:.0%} of the "
+        f"samples, by more than {np.rad2deg(LARGEST_ERROR_RAD):.0f} deg and three standard "
+        "deviations: it went astray, and these samples are marked as not valid; are the sensors "
+        "worse than FusionSettings assumes?"
+    )
+    return angles, found.settings, (warning,)
+
+
+def _contradicted(
+    found: FusedAngles,
+    lever_acc: FloatArray,
+    body_acc: FloatArray,
+    sampling_rate_hz: float,
+    geometry: ScooterGeometry,
+) -> NDArray[np.bool_]:
+    """Where the closed form, of accelerations averaged over a second, gives another steering.
+
+    A filter that has gone astray states a small standard deviation all the same. Where the closed
+    form is not valid it says nothing.
+    """
+    width = max(1, round(ODDS_S * sampling_rate_hz))
+    lever, body, steering = (
+        ndimage.uniform_filter1d(values, width, axis=0)
+        for values in (lever_acc, body_acc, found.steering_rad)
+    )
+    closed = estimate_angles(lever, body, geometry)
+    apart = np.abs(wrap_angle(closed.steering_rad - steering))
+    limit = LARGEST_ERROR_RAD + 3 * found.steering_sd_rad
+    return np.asarray(closed.valid & np.isfinite(apart) & (apart > limit))

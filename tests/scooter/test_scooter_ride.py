@@ -27,7 +27,15 @@ from mobility_imu.scooter.calibration import PRIOR_SD_RAD, ParkedPose, mount_fro
 from mobility_imu.scooter.fusion_settings import FROM_THE_RECORDING
 from mobility_imu.scooter.geometry import body_specific_force, lever_acceleration
 from mobility_imu.scooter.ride import usable_samples
-from mobility_imu.simulation.scooter import PARKED_POSES_RAD, draw_scooter, simulate_parked
+from mobility_imu.simulation.scooter import (
+    COURSES,
+    PARKED_POSES_RAD,
+    draw_driver,
+    draw_scooter,
+    simulate_parked,
+    simulate_ride,
+)
+from mobility_imu.simulation.sensor import REAL
 
 NOISE = 0.02
 TURN = np.deg2rad(3.0)
@@ -404,3 +412,21 @@ def test_standard_deviations_of_the_calibration_are_those_of_its_errors():
         errors.append(np.concatenate(apart) / found.sd_rad)
     ratio = np.sqrt(np.mean(np.square(errors), axis=0))
     assert (ratio > 0.7).all() and (ratio < 1.4).all(), ratio.round(2)
+
+
+def test_a_filter_that_went_astray_is_told():
+    """Sensors as bad as real ones, on paving: steering is off by 90 deg, and 11 are stated."""
+    unit, driver = draw_scooter(3), draw_driver(3)
+    parked = [
+        simulate_parked(pitch_rad=pitch, bank_rad=bank, seed=300 + k, unit=unit, sensor=REAL)
+        for k, (pitch, bank) in enumerate(np.deg2rad([(0.2, 0.1), (5.0, 0.0)]).tolist())
+    ]
+    mount = calibrate_mount(parked, PARKED_POSES_RAD, SUZUKI_ET4D).mount
+    settings = RideSettings(method="fusion")
+    for course, astray in (("tactile", True), ("curves", False)):
+        ride = simulate_ride(COURSES[course], seed=3, unit=unit, driver=driver, sensor=REAL)
+        found = estimate_ride(ride.recording, SUZUKI_ET4D, mount, settings)
+        error = np.rad2deg(np.median(np.abs(found.steering_rad - ride.steering_rad)))
+        told = any("it went astray" in text for text in found.warnings)
+        assert (error > 45) == astray == told
+        assert (found.valid.mean() < 0.5) == astray

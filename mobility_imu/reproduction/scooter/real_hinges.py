@@ -22,7 +22,7 @@ from mobility_imu.frames import FloatArray, wrap_angle
 from mobility_imu.readers import read_recording
 from mobility_imu.readers.table import parse_numbers, read_text
 from mobility_imu.recording import Recording
-from mobility_imu.reproduction.real import Numbers, checksums, origin_of
+from mobility_imu.reproduction.real_files import Numbers, checksums, origin_of
 from mobility_imu.reproduction.scooter.calibration import PLACES_DEG
 from mobility_imu.scooter.calibration import calibrate_mount
 from mobility_imu.scooter.geometry import SUZUKI_ET4D, ScooterGeometry

@@ -13,7 +13,7 @@ from mobility_imu.datasets.folders import find_folder
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.offsets import gyroscope_offset
 from mobility_imu.recording import Recording
-from mobility_imu.reproduction.real import Numbers
+from mobility_imu.reproduction.real_files import Numbers
 from mobility_imu.reproduction.scooter.real_hinges import (
     ANGLES,
     ONE_HINGE,

@@ -26,6 +26,7 @@ from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Recording
+from mobility_imu.reproduction.real_files import checksums, origin_of
 from mobility_imu.reproduction.walker.real_sensors import (
     kinds_of,
     rounded,
@@ -33,7 +34,6 @@ from mobility_imu.reproduction.walker.real_sensors import (
     sensors_summary,
     spectra,
 )
-from mobility_imu.reproduction.walker.real_walks import checksums, origin
 from mobility_imu.reproduction.walker.studies import Level, walking_study
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
@@ -460,7 +460,7 @@ def real_feet(executor: Any = None) -> dict[str, Any] | None:
         "over_time": [over_time(folder, name) for name in SHOWN if name in names],
     }
     numbers = {
-        "origin": origin(DATASET),
+        "origin": origin_of(DATASET),
         "files": files,
         "rows": [kept(row) for row in rows],
         "summary": summary,

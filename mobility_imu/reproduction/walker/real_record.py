@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 from mobility_imu.datasets.folders import find_folder
 from mobility_imu.errors import InputError
+from mobility_imu.reproduction.real_files import checksums
 from mobility_imu.reproduction.recorded import load_record
 from mobility_imu.reproduction.walker import real_feet, real_walks
-from mobility_imu.reproduction.walker.real_walks import checksums
 from mobility_imu.reproduction.wheelchair.recorded_sample import differing
 
 Numbers = dict[str, Any]

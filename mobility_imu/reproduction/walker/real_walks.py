@@ -8,8 +8,6 @@ mount stands for them. So steps can be judged here, the path cannot.
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from mobility_imu.datasets.catalogue import find_dataset
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Recording
@@ -299,29 +296,3 @@ def kept(row: dict[str, Any]) -> dict[str, Any]:
     row : from :func:`walk_row`
     """
     return {name: value for name, value in row.items() if name != "sensor"}
-
-
-def checksums(folder: Path, names: Iterable[str]) -> dict[str, str]:
-    """SHA-256 of files.
-
-    Parameters
-    ----------
-    folder : in which they lie
-    names : of the files
-
-    Returns
-    -------
-    dict from name to 64 hexadecimal digits
-    """
-    return {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in names}
-
-
-def origin(name: str) -> str:
-    """Where a data set is from, with its commit and licence, in one line.
-
-    Parameters
-    ----------
-    name : of the data set
-    """
-    dataset = find_dataset(name)
-    return f"{dataset.origin} at {dataset.commit[:12]}, licence: {dataset.licence}"

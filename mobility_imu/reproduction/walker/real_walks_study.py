@@ -13,17 +13,16 @@ from mobility_imu.datasets.folders import find_folder
 from mobility_imu.executors import run_all
 from mobility_imu.frames import FloatArray
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.reproduction.real_files import checksums, origin_of
 from mobility_imu.reproduction.walker.real_sensors import rounded, sensors_summary, spectra
 from mobility_imu.reproduction.walker.real_walks import (
     DATASET,
     Walk,
-    checksums,
     kept,
     load_walk,
     match_labels,
     mean_nis,
     medians_of,
-    origin,
     walk_names,
     walk_row,
 )
@@ -255,7 +254,7 @@ def real_walks(executor: Any = None) -> dict[str, Any] | None:
         "simulated_spectra": simulated_spectra("realistic"),
     }
     numbers = {
-        "origin": origin(DATASET),
+        "origin": origin_of(DATASET),
         "files": files,
         "rows": [kept(row) for row in rows],
         "summary": summary,

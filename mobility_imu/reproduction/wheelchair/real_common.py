@@ -5,8 +5,7 @@ The numbers go into records under ``data/recorded``; the recordings themselves m
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,14 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import signal
 
-from mobility_imu.datasets.catalogue import find_dataset
+from mobility_imu.datasets.folders import find_folder
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.offsets import GyroscopeOffset
+from mobility_imu.reproduction.real_files import Numbers, origin_of
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
 
-Numbers = dict[str, Any]
 SIGNIFICANT_DIGITS = 5
 INSIDE = 1.96
 """Standard deviations on each side of an interval that holds 95 % of a normal distribution."""
@@ -208,38 +207,6 @@ def offset_numbers(offsets: Mapping[str, GyroscopeOffset]) -> Numbers:
     }
 
 
-def checksums(folder: Path, names: Iterable[str]) -> dict[str, str]:
-    """SHA-256 of files, by name.
-
-    Parameters
-    ----------
-    folder : of the data set
-    names : of files in it
-
-    Returns
-    -------
-    dict from name to 64 hexadecimal digits
-    """
-    return {
-        name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in sorted(names)
-    }
-
-
-def origin_of(dataset: str) -> str:
-    """Where a data set is from, for its record.
-
-    Parameters
-    ----------
-    dataset : name, as in ``list_datasets``
-
-    Returns
-    -------
-    str with address, commit and licence
-    """
-    known = find_dataset(dataset)
-    return f"{known.origin} at {known.commit}; licence: {known.licence}"
-
-
 def rounded(value: Any) -> Any:
     """Numbers to five significant digits, in nested dicts and lists; NaN becomes None.
 
@@ -281,3 +248,36 @@ def spread(values: Iterable[float]) -> Numbers:
         "least": float(numbers.min()),
         "most": float(numbers.max()),
     }
+
+
+def recorded_study(
+    dataset: str,
+    record: str,
+    compute: Callable[[Path], Numbers],
+    simulated: Mapping[str, Callable[[], Numbers]] | None = None,
+) -> Numbers | None:
+    """All numbers of a record, with those of the simulations beside the recordings in its summary.
+
+    Parameters
+    ----------
+    dataset : name by which it is fetched
+    record : name of the record
+    compute : numbers of the data set in a folder, ``files``, ``rows`` and ``summary`` among them
+    simulated : key in the summary to what computes its numbers
+
+    Returns
+    -------
+    dict with ``numbers`` and ``inputs``, or None if the data set is not here
+    """
+    folder = find_folder(dataset)
+    if folder is None:
+        return None
+    found = compute(folder)
+    numbers = {
+        "origin": origin_of(dataset),
+        "command": f"python -m mobility_imu.reproduction.recorded {record}",
+        **found,
+    }
+    for key, simulate in (simulated or {}).items():
+        numbers["summary"][key] = rounded(simulate())
+    return {"numbers": numbers, "inputs": found["files"]}

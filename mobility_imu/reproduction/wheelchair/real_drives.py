@@ -15,18 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
-from mobility_imu.datasets.folders import find_folder
 from mobility_imu.errors import InputError
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Recording
+from mobility_imu.reproduction.real_files import Numbers, checksums
 from mobility_imu.reproduction.wheelchair.real_common import (
     INSIDE,
-    Numbers,
-    checksums,
     offset_numbers,
-    origin_of,
+    recorded_study,
     rounded,
     spectrum,
     spread,
@@ -500,15 +498,12 @@ def study(executor: Any = None) -> Numbers | None:
     -------
     dict with ``numbers`` and ``inputs``, or None if the data set is not here
     """
-    folder = find_folder(DATASET)
-    if folder is None:
-        return None
-    found = real_numbers(folder)
-    numbers = {
-        "origin": origin_of(DATASET),
-        "command": f"python -m mobility_imu.reproduction.recorded {RECORD}",
-        **found,
-    }
-    numbers["summary"]["simulated"] = rounded(simulated(cheap_module()))
-    numbers["summary"]["simulated_as_real"] = rounded(simulated(REAL))
-    return {"numbers": numbers, "inputs": found["files"]}
+    return recorded_study(
+        DATASET,
+        RECORD,
+        real_numbers,
+        {
+            "simulated": lambda: simulated(cheap_module()),
+            "simulated_as_real": lambda: simulated(REAL),
+        },
+    )

@@ -13,22 +13,20 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from mobility_imu.datasets.folders import find_folder
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Recording
+from mobility_imu.reproduction.real_files import Numbers, checksums
 from mobility_imu.reproduction.wheelchair.real_common import (
     INSIDE,
     Against,
-    Numbers,
     against,
-    checksums,
     in_degrees,
     low_passed,
     offset_numbers,
-    origin_of,
     ratio_fractions,
+    recorded_study,
     rounded,
     spectrum,
     spread,
@@ -519,15 +517,9 @@ def study(executor: Any = None) -> Numbers | None:
     -------
     dict with ``numbers`` and ``inputs``, or None if the data set is not here
     """
-    folder = find_folder(DATASET)
-    if folder is None:
-        return None
-    found = real_numbers(folder)
-    numbers = {
-        "origin": origin_of(DATASET),
-        "command": f"python -m mobility_imu.reproduction.recorded {RECORD}",
-        **found,
-    }
-    numbers["summary"]["simulated"] = rounded(simulated())
-    numbers["summary"]["simulated_as_real"] = rounded(simulated(REAL))
-    return {"numbers": numbers, "inputs": found["files"]}
+    return recorded_study(
+        DATASET,
+        RECORD,
+        real_numbers,
+        {"simulated": simulated, "simulated_as_real": lambda: simulated(REAL)},
+    )

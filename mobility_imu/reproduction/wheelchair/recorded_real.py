@@ -8,9 +8,9 @@ from typing import Any
 
 from mobility_imu.datasets.folders import find_folder
 from mobility_imu.errors import InputError
+from mobility_imu.reproduction.real_files import Numbers, checksums
 from mobility_imu.reproduction.recorded import load_record
 from mobility_imu.reproduction.wheelchair import real_car, real_drives, real_mocap
-from mobility_imu.reproduction.wheelchair.real_common import Numbers, checksums
 from mobility_imu.reproduction.wheelchair.recorded_sample import differing
 
 __all__ = ["REAL_RECORDS", "real_note", "real_numbers"]
