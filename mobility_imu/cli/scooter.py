@@ -93,7 +93,7 @@ def angles(
 
 
 def _check_options(method: Method, single_imu: bool, noise: float | None) -> None:
-    """Refuse options that do not go together, in the words of the command line."""
+    """Check that the options go together; messages are in the words of the command line."""
     if method == "fusion" and single_imu:
         raise InputError("--method fusion needs both IMUs: it cannot be had with --single-imu")
     if noise is not None and not 0 <= noise <= LARGEST_NOISE_MPS2:
