@@ -13,7 +13,7 @@ FOREIGN = re.compile(
 )
 # Jupyter Book adds Thebe to each page even if it is switched off; its script asks for a server.
 THEBE = re.compile(
-    r'<link\b[^>]*sphinx-thebe\.css[^>]*>|<script\b[^>]*sphinx-thebe\.js[^>]*>\s*</script>'
+    r"<link\b[^>]*sphinx-thebe\.css[^>]*>|<script\b[^>]*sphinx-thebe\.js[^>]*>\s*</script>"
     r"|<script>const THEBE_JS_URL\b.*?</script>"
     r'|<script type="text/x-thebe-config">.*?</script>\s*<script>kernelName\b.*?</script>',
     re.DOTALL,

@@ -122,7 +122,7 @@ def linear_velocity(
 ) -> FloatArray:
     """Chair's forward velocity from both wheels (eq. 1.17, forward spin positive on both sides).
 
-    The print subtracts the right wheel: in its Figure 1 the wheels' axes point outward, and the
+    The document subtracts the right wheel: in its Figure 1 the wheels' axes point outward, and the
     right wheel then turns negatively. Here forward is positive on both sides, so they are added.
 
     Parameters
@@ -149,7 +149,7 @@ def wheel_yaw_rate(
 ) -> FloatArray:
     """Chair's yaw rate from both wheels (eq. 1.18, left turn positive).
 
-    The print adds the wheels. With the outward axes of its Figure 1 that is positive in turns to
+    The document adds the wheels. With the outward axes of its Figure 1 that is positive in turns to
     the right, against the arrow in the figure.
 
     Parameters
@@ -528,7 +528,7 @@ def _from_two_wheels(
             wheel_spin_rate_printed(rates[f"{side}_wheel"], geometry.camber_rad, side=side)
             for side in SIDES
         )
-    # The printed document pairs its spin with the wheel-centre distance.
+    # The document pairs its spin with the wheel-centre distance.
     distance = geometry.track_m if corrected else geometry.wheel_centre_distance_m
     velocity = linear_velocity(left, right, geometry)
     wheel_yaw = wheel_yaw_rate(left, right, geometry, distance_m=distance)
