@@ -27,7 +27,6 @@ from mobility_imu.readers.xsens_mt import is_xsens_mt, read_xsens_mt
 
 BEGINNING = 4000
 """Characters that are looked at to know a format."""
-HEAD_LINES = 20
 
 
 class Format(NamedTuple):
@@ -36,16 +35,14 @@ class Format(NamedTuple):
     Parameters
     ----------
     name : as messages show it
-    begins : says of a line whether it can be the first one, or the line of names, of this format
+    begins : says of the first line that is not empty whether a file of this format has it
     read : content, name for messages and what the user says to streams
-    first_only : whether only the first line that is not empty is looked at
     names_sensors : whether its labels are names of sensors that the commands know
     """
 
     name: str
     begins: Callable[[str], bool]
     read: Callable[[str, str, Asked], tuple[Stream, ...]]
-    first_only: bool = True
     names_sensors: bool = False
 
 
@@ -53,7 +50,7 @@ FORMATS = (
     Format("canonical CSV", is_canonical, read_canonical, names_sensors=True),
     Format("WheelMove-ID", is_wheelmove_id, read_wheelmove_id, names_sensors=True),
     Format("Xsens MT Manager", is_xsens_mt, read_xsens_mt),
-    Format("Xsens DOT", is_xsens_dot, read_xsens_dot, first_only=False),
+    Format("Xsens DOT", is_xsens_dot, read_xsens_dot),
     Format("LPMS", is_lpms, read_lpms),
     Format("x-io", is_xio, read_xio),
     Format("APDM", is_apdm, read_apdm),
@@ -85,14 +82,13 @@ def find_format(text: str, source: str) -> Format:
     InputError
         If no format begins like this, or more than one does.
     """
-    lines = [line for line in re.split(r"\r?\n", text[:BEGINNING])[:HEAD_LINES] if line.strip()]
+    lines = [line for line in re.split(r"\r?\n", text[:BEGINNING]) if line.strip()]
     if lines and lines[0].strip().strip('"').lower().startswith("sep=") and len(lines) > 1:
         lines = lines[1:]
-    found = [
-        form
-        for form in FORMATS
-        if any(form.begins(line) for line in (lines[:1] if form.first_only else lines))
-    ]
+    first = lines[0] if lines else ""
+    if first.strip() in ("[", "{"):
+        first = "".join(line.strip() for line in lines)  # JSON on many lines
+    found = [form for form in FORMATS if form.begins(first)]
     if len(found) > 1:
         raise InputError(
             f"{source}: can be {listed(form.name for form in found)}; convert it by a map "
@@ -103,6 +99,6 @@ def find_format(text: str, source: str) -> Format:
             f"{source}: unknown format. Expected a header with time_s and <sensor>_acc_x_mps2 "
             f"..., or a format of {listed((form.name for form in FORMATS[1:]), 20)}; other tables "
             "are read by a map (mobility-imu read --map). It begins with "
-            f"'{quoted(lines[0] if lines else '')}'"
+            f"'{quoted(first)}'"
         )
     return found[0]

@@ -30,10 +30,7 @@ def is_phyphox(names: str) -> bool:
     bool
     """
     found = names.replace('"', "")
-    return (
-        found.startswith(TIME)
-        and re.search(r"[xyz] \((m/s|rad/s|deg/s|°/s)", found, re.I) is not None
-    )
+    return found.startswith(TIME) and re.search(r"[xyz] \((m/s|rad/s)", found, re.I) is not None
 
 
 def read_phyphox_file(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:

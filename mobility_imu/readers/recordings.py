@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
 from mobility_imu.readers.clocks import check_fill, check_rate, one_clock
@@ -31,6 +33,9 @@ SENSOR_WORDS = {
 """Words in a file's or folder's name, or in a vendor's label, that tell which sensor it is."""
 DEVICES = (("frame", "left_wheel", "right_wheel"), ("lever", "body"))
 MOST_SENSORS = 12
+FEWEST_TO_JUDGE = 100
+MOSTLY_HELD = 0.5
+"""More repeated samples than this: the rate of the rows is not the rate of the sensor."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -129,6 +134,7 @@ def understand(
     form, streams, are_named = _streams(path, asked, map_path)
     named, said = _named(streams, expected, source, are_named=are_named)
     recording, found = one_clock(named, source, fill_gaps_s=fill_gaps_s)
+    said += _repeated(named, source)
     return Reading(
         recording,
         form,
@@ -156,9 +162,15 @@ def _streams(
         forms: list[str] = []
         streams: list[Stream] = []
         for sensor, file in several:
+            file, label = _file_and_label(file)
             form, found, _ = _streams(file, asked, map_path)
+            if label is not None:
+                found = tuple(stream for stream in found if stream.label == label)
             if len(found) != 1:
-                raise InputError(f"{file}: {len(found)} sensors, expected one for '{sensor}'")
+                raise InputError(
+                    f"{file}: {len(found)} sensors, expected one for '{sensor}'; name it as in "
+                    f"{sensor}={file}#LABEL"
+                )
             forms.append(form)
             streams.append(_called(found[0], sensor))
         return ", ".join(dict.fromkeys(forms)), tuple(streams), True
@@ -195,6 +207,14 @@ def _pairs(text: str) -> list[tuple[str, str]]:
     return pairs
 
 
+def _file_and_label(text: str) -> tuple[str, str | None]:
+    """File and sensor of ``session.csv#Lumbar``; a file whose own name has the mark is itself."""
+    if "#" not in text or _is_there(as_path(text)):
+        return text, None
+    file, _, label = text.rpartition("#")
+    return file, label
+
+
 def _called(stream: Stream, label: str) -> Stream:
     return Stream(
         stream.time_s, stream.acc_mps2, stream.gyr_radps, source=stream.source, label=label,
@@ -208,25 +228,33 @@ def _named(
     """Sensors under the names that the devices' commands know."""
     names: list[str | None] = [s.label if are_named else _by_words(s.label) for s in streams]
     said = []
+    if len(streams) == 1 and not are_named and len(expected) <= 1:
+        ours = expected[0] if expected else names[0] or "frame"
+        if names[0] not in (None, ours):
+            said.append(f"{source}: '{quoted(streams[0].label)}' taken as {ours}")
+        names[0] = ours
     open_names = [name for name in expected if name not in names]
     unnamed = [k for k, name in enumerate(names) if name is None]
-    if unnamed and len(unnamed) <= len(open_names) and _may_be_ordered(streams, expected):
+    # A scooter's two sensors, or one of them, may be taken in their order; a chair's may not.
+    if unnamed and len(unnamed) <= len(open_names) and tuple(expected) == DEVICES[1]:
         for k, name in zip(unnamed, open_names, strict=False):
             names[k] = name
-        told = ", ".join(
-            f"'{quoted(streams[k].label)}' as {names[k]}" for k in unnamed if streams[k].label
-        )
-        if told and len(streams) > 1:
-            said.append(f"{source}: sensors taken in their order: {told}")
-    elif len(streams) == 1 and names[0] is None:
-        names[0] = "frame"
+        if len(streams) > 1:
+            told = (f"'{quoted(streams[k].label)}' as {names[k]}" for k in unnamed)
+            said.append(f"{source}: sensors taken in their order: {', '.join(told)}")
+    elif not expected and (unnamed or len(set(names)) < len(names)):
+        # Nothing is asked of the names: the file's own will do.
+        names = [
+            re.sub(r"\W+", "_", stream.label).strip("_") or f"sensor_{k + 1}"
+            for k, stream in enumerate(streams)
+        ]
     for k, given in enumerate(names):
         if given is None:
-            labels = listed(s.label or s.source for s in streams)
+            label = streams[k].label or streams[k].source
             raise InputError(
-                f"{source}: which sensor is '{quoted(streams[k].label or streams[k].source)}' (of "
-                f"{labels})? Give them as "
-                f"{','.join(f'{n}=FILE' for n in (expected or DEVICES[0]))}, or name the files so"
+                f"{source}: which sensor is '{quoted(label)}' (of "
+                f"{listed(s.label or s.source for s in streams)})? Give them as "
+                f"{','.join(f'{n}=FILE#LABEL' for n in expected)}"
             )
         if names.count(given) > 1:
             both = [s.label or s.source for s, n in zip(streams, names, strict=True) if n == given]
@@ -234,9 +262,21 @@ def _named(
     return {str(name): stream for name, stream in zip(names, streams, strict=True)}, tuple(said)
 
 
-def _may_be_ordered(streams: Sequence[Stream], expected: Sequence[str]) -> bool:
-    """Whether sensors without names may be taken in their order: one, or a scooter's two."""
-    return len(streams) == 1 or tuple(expected) == DEVICES[1]
+def _repeated(streams: Mapping[str, Stream], source: str) -> tuple[str, ...]:
+    """Sensors that most rows repeat: loggers that write faster than the sensor reads."""
+    said = []
+    for name, stream in streams.items():
+        if len(stream) < FEWEST_TO_JUDGE:
+            continue
+        held = (np.diff(stream.acc_mps2, axis=0) == 0).all(axis=1)
+        span = float(stream.time_s[-1] - stream.time_s[0])
+        if held.mean() > MOSTLY_HELD and span > 0:
+            fresh = int((~held).sum()) / span
+            said.append(
+                f"{source}, {name}: {100 * held.mean():.0f} % of the samples repeat the one "
+                f"before; the accelerometer gives about {fresh:.0f} new values a second"
+            )
+    return tuple(said)
 
 
 def _by_words(label: str) -> str | None:
@@ -264,7 +304,7 @@ def recording_files(path: str | Path) -> list[Path]:
         return [whole]
     pairs = _pairs(str(path))
     files: Iterable[Path] = (
-        [file for _, name in pairs for file in recording_files(name)]
+        [f for _, name in pairs for f in recording_files(_file_and_label(name)[0])]
         if pairs
         else _xsens_parts(whole).values()
     )

@@ -23,17 +23,20 @@ LARGEST_TICK_STEP = 1000.0
 
 
 def is_xsens_dot(line: str) -> bool:
-    """Whether a line is the line of names of a DOT recording.
+    """Whether a file begins like a DOT recording of the app or of the PC software.
 
     Parameters
     ----------
-    line : one line
+    line : its first line, after ``sep=``
 
     Returns
     -------
     bool
     """
-    return re.match(r"(PacketCounter,)?SampleTimeFine,", line) is not None
+    return (
+        re.match(r'"?(DeviceTag|FirmwareVersion|(PacketCounter,)?SampleTimeFine,)', line)
+        is not None
+    )
 
 
 def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
