@@ -142,8 +142,8 @@ def one_clock(
     """Recording of sensors that may each have a clock of its own.
 
     Samples stay as they are if all sensors have the same times and these count samples or are
-    increasing without gaps. Otherwise the sensors are interpolated to one even clock at the mean
-    rate of the slowest; a gap longer than 0.1 s, or than ``fill_gaps_s`` if that is longer, is
+    increasing without gaps. Otherwise the sensors are interpolated to one even clock at the rate
+    of the slowest; a gap longer than 0.1 s, or than ``fill_gaps_s`` if that is longer, is
     refused.
 
     Parameters
@@ -190,7 +190,8 @@ def one_clock(
                 f"({int((step > longest).sum())} longer than {longest:g} s); give --fill-gaps-s "
                 "(fill_gaps_s in Python) to bridge it, or cut the recording there"
             )
-        rates.append((len(stamps) - 1) / (stamps[-1] - stamps[0]))
+        # What was lost says nothing of the rate.
+        rates.append(1 / float(np.mean(step[step <= GAP_FACTOR * np.median(step)])))
     rate = check_rate(min(rates), source, clock=True)
     recording, found = join_streams(streams, rate, source=source)
     said.append(f"{source}: interpolated to an even clock of {rate:.5g} Hz, for {_why(streams)}")
@@ -200,7 +201,10 @@ def one_clock(
 def _is_even(time_s: FloatArray) -> bool:
     """Whether times increase without a gap, so that a Recording takes them as they are."""
     step = np.diff(time_s)
-    return bool(len(step) > 1 and (step > 0).all() and step.max() <= GAP_FACTOR * np.median(step))
+    if len(step) < 2 or not (step > 0).all():
+        return False
+    usual = float(np.median(step))
+    return bool(usual / GAP_FACTOR <= step.min() and step.max() <= GAP_FACTOR * usual)
 
 
 def _why(streams: Mapping[str, Stream]) -> str:

@@ -81,13 +81,14 @@ class Asked(NamedTuple):
     sampling_rate_hz: float | None = None
     units: tuple[tuple[str, str], ...] = ()
 
-    def rate(self, source: str, what: str = "the file") -> float:
+    def rate(self, source: str, what: str, hint: str = "") -> float:
         """Sampling rate that the user gave, for a file that has no clock.
 
         Parameters
         ----------
         source : the file's name, for messages
         what : what states no rate
+        hint : where else it may be found
 
         Returns
         -------
@@ -100,8 +101,8 @@ class Asked(NamedTuple):
         """
         if self.sampling_rate_hz is None:
             raise InputError(
-                f"{source}: {what} states no sampling rate; give it with --sampling-rate-hz "
-                "(sampling_rate_hz in Python)"
+                f"{source}: {what} states no sampling rate{hint}; give it with "
+                "--sampling-rate-hz (sampling_rate_hz in Python)"
             )
         return self.sampling_rate_hz
 

@@ -227,7 +227,7 @@ def parse_numbers(
                 index_col=False,
                 decimal=layout.decimal,
                 dtype=np.float64 if all_read else {k: str for k in range(count) if k not in floats},
-                skipinitialspace=True,
+                skipinitialspace=layout.separator != " ",
                 **_exact(pd.__version__),
             )
         except (ValueError, OverflowError, pd.errors.ParserError):

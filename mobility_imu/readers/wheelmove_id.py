@@ -43,7 +43,7 @@ def read_wheelmove_id(text: str, source: str, asked: Asked) -> tuple[Stream, ...
         If a column is missing, a cell is no number, or no rate was given.
     """
     table = parse_numbers(text, source=source)
-    rate = asked.rate(source, "a WheelMove-ID recording (its settings have it as freqAcq)")
+    rate = asked.rate(source, "a WheelMove-ID recording", " (its settings have it as freqAcq)")
     time_s = np.arange(len(table)) / rate
     return tuple(
         Stream(

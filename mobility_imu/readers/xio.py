@@ -56,7 +56,7 @@ def read_xio(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     if clock is not None:
         time_s = table.columns([clock])[:, 0] * CLOCKS[clock]
         return (stream_in_g_and_degrees(table, time_s, ACCELEROMETER, GYROSCOPE),)
-    rate = asked.rate(source, "a file of the first x-IMU (its Registers.csv has it)")
+    rate = asked.rate(source, "a file of the first x-IMU", " (its Registers.csv has it)")
     time_s = np.arange(len(table)) / rate
     found = stream_in_g_and_degrees(table, time_s, ACCELEROMETER, GYROSCOPE)
     return (

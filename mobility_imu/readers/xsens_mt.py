@@ -18,7 +18,7 @@ from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
 COUNTER_RANGE = 65536
-NEAR_END = 0.75 * COUNTER_RANGE
+NEAR_END = COUNTER_RANGE - 2000
 """A counter that starts again at 0 comes from above this."""
 LARGEST_COUNTER = 2**53
 """From here on a float does not hold every whole number."""
