@@ -17,6 +17,8 @@ LONGEST_FILL_S = 60.0
 """A straight line over a longer gap says nothing of the motion."""
 FEWEST_TO_FILL = 1000
 """So many samples may be filled in even if the recording has fewer."""
+MOSTLY_USUAL = 0.8
+"""If fewer steps than this part are near the median, there is no usual step."""
 LONGEST_SILENT_GAP_S = 0.1
 """Sensors that are joined are interpolated over a longer gap as well, but a warning says so."""
 
@@ -190,12 +192,19 @@ def one_clock(
                 f"({int((step > longest).sum())} longer than {longest:g} s); give --fill-gaps-s "
                 "(fill_gaps_s in Python) to bridge it, or cut the recording there"
             )
-        # What was lost says nothing of the rate.
-        rates.append(1 / float(np.mean(step[step <= GAP_FACTOR * np.median(step)])))
+        rates.append(_rate(step))
     rate = check_rate(min(rates), source, clock=True)
     recording, found = join_streams(streams, rate, source=source)
     said.append(f"{source}: interpolated to an even clock of {rate:.5g} Hz, for {_why(streams)}")
     return recording, tuple(dict.fromkeys([*found, *said]))
+
+
+def _rate(step: FloatArray) -> float:
+    """Rate of a sensor from the steps of its stamps; what was lost says nothing of it."""
+    usual = (step > 0.5 * np.median(step)) & (step <= GAP_FACTOR * np.median(step))
+    if usual.mean() < MOSTLY_USUAL:  # no usual step: a logger that writes when it can
+        usual = step <= LONGEST_SILENT_GAP_S
+    return 1 / float(np.mean(step[usual]))
 
 
 def _is_even(time_s: FloatArray) -> bool:

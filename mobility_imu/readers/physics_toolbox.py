@@ -6,7 +6,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
-from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.streams import Asked, Stream, held_warnings
 from mobility_imu.readers.table import parse_numbers
 
 FORCE = [f"gF{axis}" for axis in "xyz"]
@@ -54,6 +54,7 @@ def read_physics_toolbox(text: str, source: str, asked: Asked) -> tuple[Stream, 
     begin = int(np.argmax(both))
     said = (f"{source}: {begin} row(s) of zeros at the beginning left out",) if begin else ()
     time_s = table.columns(["time"])[begin:, 0]
+    said += held_warnings(time_s, acc[begin:], source)
     return (
         Stream(
             time_s, acc[begin:], None if gyr is None else gyr[begin:], source=source, warnings=said

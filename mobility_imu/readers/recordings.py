@@ -8,8 +8,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
-
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
 from mobility_imu.readers.clocks import check_fill, check_rate, one_clock
@@ -33,9 +31,6 @@ SENSOR_WORDS = {
 """Words in a file's or folder's name, or in a vendor's label, that tell which sensor it is."""
 DEVICES = (("frame", "left_wheel", "right_wheel"), ("lever", "body"))
 MOST_SENSORS = 12
-FEWEST_TO_JUDGE = 100
-MOSTLY_HELD = 0.5
-"""More repeated samples than this: the rate of the rows is not the rate of the sensor."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -134,7 +129,6 @@ def understand(
     form, streams, are_named = _streams(path, asked, map_path)
     named, said = _named(streams, expected, source, are_named=are_named)
     recording, found = one_clock(named, source, fill_gaps_s=fill_gaps_s)
-    said += _repeated(named, source)
     return Reading(
         recording,
         form,
@@ -260,23 +254,6 @@ def _named(
             both = [s.label or s.source for s, n in zip(streams, names, strict=True) if n == given]
             raise InputError(f"{source}: two files for the {given} sensor, {listed(both)}")
     return {str(name): stream for name, stream in zip(names, streams, strict=True)}, tuple(said)
-
-
-def _repeated(streams: Mapping[str, Stream], source: str) -> tuple[str, ...]:
-    """Sensors that most rows repeat: loggers that write faster than the sensor reads."""
-    said = []
-    for name, stream in streams.items():
-        if len(stream) < FEWEST_TO_JUDGE:
-            continue
-        held = (np.diff(stream.acc_mps2, axis=0) == 0).all(axis=1)
-        span = float(stream.time_s[-1] - stream.time_s[0])
-        if held.mean() > MOSTLY_HELD and span > 0:
-            fresh = int((~held).sum()) / span
-            said.append(
-                f"{source}, {name}: {100 * held.mean():.0f} % of the samples repeat the one "
-                f"before; the accelerometer gives about {fresh:.0f} new values a second"
-            )
-    return tuple(said)
 
 
 def _by_words(label: str) -> str | None:

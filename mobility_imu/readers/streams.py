@@ -120,6 +120,9 @@ class Asked(NamedTuple):
         return dict(self.units).get(quantity)
 
 
+FEWEST_TO_JUDGE = 100
+MOSTLY_HELD = 0.5
+"""More repeated samples than this: the rate of the rows is not the rate of the sensor."""
 FACTORS = {
     "acc": {"m/s2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": STANDARD_GRAVITY_MPS2 / 1000},
     "gyr": {"rad/s": 1.0, "deg/s": float(np.pi / 180), "mrad/s": 1e-3},
@@ -162,6 +165,29 @@ def factor(quantity: str, unit: str, source: str) -> float:
         what = "acceleration" if quantity == "acc" else "angular rate"
         raise InputError(f"{source}: {what} in '{unit}' is not known; expected {', '.join(known)}")
     return known[name]
+
+
+def held_warnings(time_s: FloatArray, acc_mps2: FloatArray, source: str) -> tuple[str, ...]:
+    """Whether most rows repeat the one before: a logger that writes faster than its sensor reads.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    acc_mps2 : (n, 3) array, m/s²
+    source : the file's name, for messages
+
+    Returns
+    -------
+    tuple of str, empty or with one sentence
+    """
+    held = (np.diff(acc_mps2, axis=0) == 0).all(axis=1)
+    span = float(np.ptp(time_s))
+    if len(held) < FEWEST_TO_JUDGE or span == 0 or held.mean() <= MOSTLY_HELD:
+        return ()
+    return (
+        f"{source}: {100 * held.mean():.0f} % of the samples repeat the one before; the "
+        f"accelerometer gives about {int((~held).sum()) / span:.0f} new values a second",
+    )
 
 
 def stream_in_g_and_degrees(

@@ -207,7 +207,7 @@ def test_held_values_and_uneven_stamps_are_told(tmp_path):
     table.to_csv(path, index=False)
     found = understand(path)
     assert any("75 % of the samples repeat the one before" in w for w in found.warnings)
-    (stamps,) = [w for w in found.warnings if "interpolated to an even clock of 100" in w]
+    (stamps,) = [w for w in found.warnings if "interpolated to an even clock of 99.8" in w]
     assert stamps.endswith("for its stamps are not even")
 
 
