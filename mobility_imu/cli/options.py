@@ -28,6 +28,9 @@ Units = Annotated[
     list[str] | None,
     typer.Option("--unit", help="acc=g or gyr=deg/s: for files that state no unit."),
 ]
+Strict = Annotated[
+    bool, typer.Option("--strict", help="Refuse a recording with any fault of a sensor.")
+]
 FillGaps = Annotated[
     float,
     typer.Option(help="Fill gaps up to this length (s) by interpolation; 0 refuses any.", min=0),

@@ -38,6 +38,7 @@ def read(
 ) -> None:
     """What is understood of a recording: format, sensors, rate, gravity, offsets at rest."""
     from mobility_imu.cli.summaries import read_line, written_line
+    from mobility_imu.health import examine
     from mobility_imu.readers.recordings import recording_files, understand
 
     files = (*recording_files(recording), *([] if map_path is None else [map_path]))
@@ -50,6 +51,7 @@ def read(
         map_path=map_path,
     )
     warn(found.warnings)
+    warn(fault.sentence for fault in examine(found.recording))
     if output is not None:
         outputs.write({output: csv_bytes(found.recording.to_frame(), output)})
     typer.echo(reading_text(found))

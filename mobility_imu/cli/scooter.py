@@ -9,7 +9,7 @@ import typer
 
 from mobility_imu.cli.inputs import read_input
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Units, sub_app
+from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, Units, sub_app
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -61,6 +61,7 @@ def angles(
     ] = False,
     sampling_rate_hz: Rate = None,
     unit: Units = None,
+    strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
@@ -85,7 +86,12 @@ def angles(
     )
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     ride = read_input(
-        recording, "scooter", sampling_rate_hz=sampling_rate_hz, fill_gaps_s=fill_gaps_s, units=unit
+        recording,
+        "scooter",
+        sampling_rate_hz=sampling_rate_hz,
+        fill_gaps_s=fill_gaps_s,
+        units=unit,
+        strict=strict,
     )
     if "body" not in ride.sensors and not single_imu:
         raise InputError(
@@ -121,6 +127,7 @@ def calibrate(
     output: Output,
     sampling_rate_hz: Rate = None,
     unit: Units = None,
+    strict: Strict = False,
     quiet: Quiet = False,
 ) -> None:
     """How both IMUs are mounted, from parked poses with the controls at their stops.
@@ -136,7 +143,7 @@ def calibrate(
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
     recordings = [
-        read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz, units=unit)
+        read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz, units=unit, strict=strict)
         for path in parked
     ]
     found = calibrate_mount(recordings, settings, scooter)
@@ -174,6 +181,7 @@ def check(
     ] = None,
     sampling_rate_hz: Rate = None,
     unit: Units = None,
+    strict: Strict = False,
     quiet: Quiet = False,
 ) -> None:
     """Whether the angles agree with those that a protractor set.
@@ -205,7 +213,9 @@ def check(
         settings = settings.kept_on()
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad = read_poses(poses)
-    recording = read_input(parked, "scooter", sampling_rate_hz=sampling_rate_hz, units=unit)
+    recording = read_input(
+        parked, "scooter", sampling_rate_hz=sampling_rate_hz, units=unit, strict=strict
+    )
     found = check_poses(recording, set_rad, scooter, mount, settings)
     written = []
     if output is not None:

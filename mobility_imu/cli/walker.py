@@ -9,7 +9,7 @@ import typer
 
 from mobility_imu.cli.inputs import read_input
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Smooth, Units, sub_app
+from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Smooth, Strict, Units, sub_app
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -39,6 +39,7 @@ def calibrate(
     smooth: Smooth = True,
     sampling_rate_hz: Rate = None,
     unit: Units = None,
+    strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
@@ -55,7 +56,12 @@ def calibrate(
     outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
     frame = WalkerGeometry.from_toml(geometry)
     recording = read_input(
-        tilts, "walker", sampling_rate_hz=sampling_rate_hz, fill_gaps_s=fill_gaps_s, units=unit
+        tilts,
+        "walker",
+        sampling_rate_hz=sampling_rate_hz,
+        fill_gaps_s=fill_gaps_s,
+        units=unit,
+        strict=strict,
     )
     found = calibrate_mount(
         recording,
@@ -94,6 +100,7 @@ def trajectory(
     ] = False,
     sampling_rate_hz: Rate = None,
     unit: Units = None,
+    strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
@@ -113,7 +120,12 @@ def trajectory(
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
     recording = read_input(
-        walk, "walker", sampling_rate_hz=sampling_rate_hz, fill_gaps_s=fill_gaps_s, units=unit
+        walk,
+        "walker",
+        sampling_rate_hz=sampling_rate_hz,
+        fill_gaps_s=fill_gaps_s,
+        units=unit,
+        strict=strict,
     )
     known = None if rests is None else read_rests(rests, recording.time_s)
     try:

@@ -52,7 +52,9 @@ def read_physics_toolbox(text: str, source: str, asked: Asked) -> tuple[Stream, 
     if not both.any():
         raise InputError(f"{source}: a sensor reads zero throughout")
     begin = int(np.argmax(both))
-    said = (f"{source}: {begin} row(s) of zeros at the beginning left out",) if begin else ()
+    said: tuple[str, ...] = (
+        (f"{source}: {begin} row(s) of zeros at the beginning left out",) if begin else ()
+    )
     time_s = table.columns(["time"])[begin:, 0]
     said += held_warnings(time_s, acc[begin:], source)
     return (
