@@ -38,6 +38,7 @@ from mobility_imu.wheelchair.series import alike
 from mobility_imu.wheelchair.slip import (
     SlipMethod,
     SlipSettings,
+    at_odds,
     correct_slip,
     detect_slip,
     wheel_speeds,
@@ -479,6 +480,8 @@ def _one_recording(
             "frame, slip cannot be seen",
             *warnings,
         )
+    odds = at_odds(slip, wheel_yaw, yaw_rate, settings.slip, recording.source)
+    warnings = (*odds, *warnings)
     return ChairVelocity(
         time_s=recording.time_s,
         linear_velocity_mps=as_series(velocity, f"{recording.source}: linear velocity"),
