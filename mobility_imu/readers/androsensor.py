@@ -101,7 +101,9 @@ def _seconds_of_day(column: Any, source: str) -> FloatArray:
     parsed = pd.to_datetime(dates, errors="coerce")
     if parsed.isna().any():
         k = int(np.argmax(parsed.isna()))
-        raise InputError(f"{source}: line {k + 2}: '{quoted(column.iloc[k])}' is no date and time")
+        raise InputError(
+            f"{source}: line {k + 2}: '{quoted(str(column.iloc[k]))}' is no date and time"
+        )
     return np.array((parsed - parsed.iloc[0].normalize()).dt.total_seconds(), float)
 
 

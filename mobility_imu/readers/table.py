@@ -252,7 +252,7 @@ def _as_numbers(frame: Any) -> FloatArray | None:
     """Columns as numbers; None if one holds text."""
     try:
         return np.asarray(frame.to_numpy(dtype=float))
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, OverflowError):
         return None
 
 

@@ -87,7 +87,7 @@ def test_an_excerpt_is_read_with_its_rate_and_gravity(name):
     length = np.median(np.linalg.norm(first.acc_mps2, axis=1))
     assert length == pytest.approx(gravity, abs=0.06)
     if rate_hz is not None:
-        # Whole milliseconds and lost packets leave a hundredth or so, an app's stamps of Shimmer a tenth.
+        # Lost packets leave a hundredth or so, stamps of whole milliseconds a tenth.
         tolerance = 0.1 if name.startswith("shimmer") else 0.015
         assert found.recording.sampling_rate_hz == pytest.approx(rate_hz, rel=tolerance)
 
