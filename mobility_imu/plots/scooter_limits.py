@@ -111,7 +111,7 @@ def plot_budget(
                 "o",
                 color="black",
                 mfc="white",
-                label="all, drawn scooters",
+                label="all, random scooters",
             )
             ax.set_title(angle)
             ax.set_xlabel("steering, deg")
