@@ -1,0 +1,43 @@
+"""Drives that the chapters share: what is calibrated fits what was simulated."""
+
+import numpy as np
+import pytest
+
+from mobility_imu.reproduction.wheelchair.trials import (
+    MIDDLE,
+    STRAIGHT_ON,
+    TURN_LEFT,
+    drive_and_calibrate,
+    printed_speed_and_turn,
+    wheel_rates,
+)
+from mobility_imu.simulation.wheelchair import Leg, random_mounting
+from mobility_imu.wheelchair import SAMPLE_CHAIR
+from mobility_imu.wheelchair.geometry import SIDES, side_sign
+
+
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+def test_a_leaning_wheel_reads_its_spin_and_a_part_of_the_turn(turn):
+    legs = (Leg(1, 1.0), Leg(4, 5.0, 0.0, np.rad2deg(turn)), Leg(1, 1.0))
+    drive, mount = drive_and_calibrate(legs, SAMPLE_CHAIR, random_mounting(2))
+    rates = wheel_rates(drive.recording, mount)
+    for side in SIDES:
+        s = side_sign(side)
+        spin = -s * turn * SAMPLE_CHAIR.track_m / 2 / SAMPLE_CHAIR.wheel_radius_m.of(side)
+        along = spin + s * turn * np.sin(SAMPLE_CHAIR.camber_rad)
+        across = abs(turn) * np.cos(SAMPLE_CHAIR.camber_rad)
+        assert np.isclose(rates[side][MIDDLE, 2], along)
+        assert np.isclose(np.hypot(*rates[side][MIDDLE, :2]), across)
+
+
+@pytest.mark.parametrize(("facing", "sign"), [("outward", 1), ("inward", -1)])
+def test_the_signs_of_speed_and_turn_follow_the_facing_and_oppose_each_other(facing, sign):
+    found = printed_speed_and_turn(facing, SAMPLE_CHAIR, seed=5)
+    assert np.allclose(found, [sign, -sign], rtol=0, atol=1e-9)
+
+
+def test_in_the_middle_of_its_drives_the_chair_keeps_its_pace():
+    for legs, speed, turn in ((STRAIGHT_ON, 1.0, 0.0), (TURN_LEFT, 0.0, 1.0)):
+        assert legs[0].duration_s < MIDDLE / 100 < legs[0].duration_s + legs[1].duration_s
+        assert legs[1].linear_velocity_mps == speed
+        assert np.isclose(np.deg2rad(legs[1].yaw_rate_degps), turn)
