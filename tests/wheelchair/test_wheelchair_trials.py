@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from mobility_imu.reproduction.wheelchair.facing import along_outward_axle
 from mobility_imu.reproduction.wheelchair.trials import (
     MIDDLE,
     STRAIGHT_ON,
@@ -41,3 +42,11 @@ def test_in_the_middle_of_its_drives_the_chair_keeps_its_pace():
         assert legs[0].duration_s < MIDDLE / 100 < legs[0].duration_s + legs[1].duration_s
         assert legs[1].linear_velocity_mps == speed
         assert np.isclose(np.deg2rad(legs[1].yaw_rate_degps), turn)
+
+
+@pytest.mark.parametrize("facing", ["outward", "inward"])
+def test_arctangents_follow_the_sensor_and_atan2_follows_the_roll(facing):
+    printed = along_outward_axle(facing, "printed", count=20)
+    assert np.allclose(printed, 1 if facing == "outward" else -1)
+    # atan2 gives the axle of the forward roll: outward on the left wheel, inward on the right one.
+    assert np.allclose(along_outward_axle(facing, "corrected", count=20), [1, -1] * 20)
