@@ -8,11 +8,12 @@ from mobility_imu.reproduction.wheelchair.trials import (
     MIDDLE,
     STRAIGHT_ON,
     TURN_LEFT,
+    court_and_calibrate,
     drive_and_calibrate,
     printed_speed_and_turn,
     wheel_rates,
 )
-from mobility_imu.simulation.wheelchair import Leg, random_mounting
+from mobility_imu.simulation.wheelchair import Leg, SlipEpisode, random_mounting
 from mobility_imu.wheelchair import SAMPLE_CHAIR
 from mobility_imu.wheelchair.geometry import SIDES, side_sign
 
@@ -50,3 +51,14 @@ def test_arctangents_follow_the_sensor_and_atan2_follows_the_roll(facing):
     assert np.allclose(printed, 1 if facing == "outward" else -1)
     # atan2 gives the axle of the forward roll: outward on the left wheel, inward on the right one.
     assert np.allclose(along_outward_axle(facing, "corrected", count=20), [1, -1] * 20)
+
+
+def test_slip_is_in_the_drive_and_not_in_its_calibration():
+    mounting, slip = random_mounting(1), SlipEpisode("left", 3.0, 0.5, 0.9)
+    slipping, mount = court_and_calibrate(STRAIGHT_ON, SAMPLE_CHAIR, mounting, [slip])
+    rolling, same = court_and_calibrate(STRAIGHT_ON, SAMPLE_CHAIR, mounting)
+    assert slipping.slipping.any() and not rolling.slipping.any()
+    for side in SIDES:
+        assert np.array_equal(mount.rotation_imu_to_wheel(side), same.rotation_imu_to_wheel(side))
+        axle = mounting[f"{side}_wheel"].rotation_body_to_imu[:, 2]
+        assert mount.rotation_imu_to_wheel(side)[2] @ axle > 0.999

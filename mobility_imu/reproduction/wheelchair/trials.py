@@ -14,13 +14,16 @@ from mobility_imu.reproduction.wheelchair.printed import (
     wheel_rates_printed,
     yaw_rate_printed,
 )
-from mobility_imu.simulation.sensor import IDEAL
+from mobility_imu.simulation.sensor import IDEAL, MTI_1
 from mobility_imu.simulation.wheelchair import (
     STATIC_TRIAL,
     STRAIGHT_TRIAL,
     Leg,
     Mounting,
+    SimulatedCourt,
     SimulatedDrive,
+    SlipEpisode,
+    simulate_court,
     simulate_drive,
 )
 from mobility_imu.wheelchair.calibration import calibrate_mount
@@ -60,6 +63,34 @@ def drive_and_calibrate(
         for seed, part in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, legs))
     )
     return drive, calibrate_mount(still.recording, line.recording).mount
+
+
+def court_and_calibrate(
+    legs: Sequence[Leg],
+    geometry: WheelchairGeometry,
+    mounting: Mapping[str, Mounting],
+    slips: Sequence[SlipEpisode] = (),
+) -> tuple[SimulatedCourt, WheelchairMount]:
+    """Simulate a drive with pushes, slip and a data sheet's sensors, and the chair's mount.
+
+    Parameters
+    ----------
+    legs : the drive
+    geometry : WheelchairGeometry
+    mounting : of ``frame``, ``left_wheel``, ``right_wheel``
+    slips : episodes in which a wheel spins or skids; none in the calibration trials
+
+    Returns
+    -------
+    court : SimulatedCourt, sensors as ``MTI_1``
+    mount : WheelchairMount, from trials with the same sensors
+    """
+    trials = ((STATIC_TRIAL, ()), (STRAIGHT_TRIAL, ()), (legs, slips))
+    still, line, court = (
+        simulate_court(part, geometry, mounting, seed=seed, slips=some, model=MTI_1)
+        for seed, (part, some) in enumerate(trials)
+    )
+    return court, calibrate_mount(still.recording, line.recording).mount
 
 
 def wheel_rates(recording: Recording, mount: WheelchairMount) -> dict[Side, FloatArray]:
