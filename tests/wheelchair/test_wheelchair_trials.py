@@ -9,6 +9,7 @@ from mobility_imu.reproduction.wheelchair.trials import (
     STRAIGHT_ON,
     TURN_LEFT,
     court_and_calibrate,
+    court_tasks,
     drive_and_calibrate,
     printed_speed_and_turn,
     wheel_rates,
@@ -62,3 +63,11 @@ def test_slip_is_in_the_drive_and_not_in_its_calibration():
         assert np.array_equal(mount.rotation_imu_to_wheel(side), same.rotation_imu_to_wheel(side))
         axle = mounting[f"{side}_wheel"].rotation_body_to_imu[:, 2]
         assert mount.rotation_imu_to_wheel(side)[2] @ axle > 0.999
+
+
+def test_tasks_of_a_court_with_perfect_sensors_differ_at_the_changes_only():
+    found, driven = court_tasks(10.0, 0.0, 1)
+    assert len(found) == len(driven) and set(found) == set(driven)
+    changes = np.nonzero(np.diff(driven))[0]
+    apart = np.nonzero(found != driven)[0]
+    assert all(np.abs(changes - k).min() <= 70 for k in apart)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import astuple
 
 import numpy as np
 
@@ -16,19 +17,26 @@ from mobility_imu.reproduction.wheelchair.printed import (
 )
 from mobility_imu.simulation.sensor import IDEAL, MTI_1
 from mobility_imu.simulation.wheelchair import (
+    COURT,
+    LIKE_SAMPLE,
     STATIC_TRIAL,
     STRAIGHT_TRIAL,
     Leg,
     Mounting,
+    SensorNoise,
     SimulatedCourt,
     SimulatedDrive,
     SlipEpisode,
+    random_mounting,
     simulate_court,
     simulate_drive,
 )
 from mobility_imu.wheelchair.calibration import calibrate_mount
+from mobility_imu.wheelchair.codes import Codes
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.tasks import identify_tasks
+from mobility_imu.wheelchair.velocity import estimate_velocity
 
 STRAIGHT_ON = (Leg(1, 1.0), Leg(2, 5.0, 1.0), Leg(1, 1.0))
 """Straight ahead at 1 m/s."""
@@ -91,6 +99,33 @@ def court_and_calibrate(
         for seed, (part, some) in enumerate(trials)
     )
     return court, calibrate_mount(still.recording, line.recording).mount
+
+
+def court_tasks(camber_deg: float, noise_times: float, seed: int) -> tuple[Codes, Codes]:
+    """Tasks found on the standard court, from raw readings on, and the tasks that were driven.
+
+    Parameters
+    ----------
+    camber_deg : of a chair with radii of 0.31 and 0.312 m and a track of 0.80 m
+    noise_times : factor of the noise and the biases of WheelMove-ID's sample
+    seed : of mounting and noise
+
+    Returns
+    -------
+    found, driven : (n,) arrays of task codes
+    """
+    chair = WheelchairGeometry.from_degrees(
+        camber_deg, wheel_radius_left_m=0.31, wheel_radius_right_m=0.312, track_m=0.80
+    )
+    noise = SensorNoise(*(noise_times * size for size in astuple(LIKE_SAMPLE)))
+    mounting = random_mounting(seed)
+    static, straight, drive = (
+        simulate_drive(legs, chair, mounting, seed=10 * seed + k, noise=noise)
+        for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT))
+    )
+    mount = calibrate_mount(static.recording, straight.recording).mount
+    found = identify_tasks(estimate_velocity(drive.recording, chair, mount))
+    return found.codes, drive.task
 
 
 def wheel_rates(recording: Recording, mount: WheelchairMount) -> dict[Side, FloatArray]:
