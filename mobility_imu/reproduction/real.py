@@ -8,8 +8,7 @@ named by MOBILITY_IMU_RECORDINGS or fetched, its numbers are computed again and 
 from __future__ import annotations
 
 import importlib
-import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -17,13 +16,11 @@ from mobility_imu.data import recorded_folder
 from mobility_imu.datasets.folders import RECORDINGS_VARIABLE, find_folder
 from mobility_imu.frames import one_of
 from mobility_imu.reproduction.claims import Work
+from mobility_imu.reproduction.differences import differing, leaves, shown
 from mobility_imu.reproduction.real_files import Numbers, lacking_files
 
 State = Literal["as recorded", "differs", "other files", "not here", "no record"]
 STATES: tuple[State, ...] = ("as recorded", "differs", "other files", "not here", "no record")
-RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 0.01, 1e-3
-"""A number is as recorded within 1 % or a thousandth; between processors, versions of the
-libraries, and readable and compiled loops the last digits differ, and filters carry that on."""
 SHOWN_DIFFERENCES = 3
 
 
@@ -261,75 +258,6 @@ def _study(name: str) -> Callable[[], Numbers | None]:
         importlib.import_module(study.module), study.function
     )
     return function
-
-
-def differing(found: Any, recorded: Any, place: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """What was found and is not as recorded, within 1 % or a thousandth.
-
-    Parameters
-    ----------
-    found, recorded : nested dicts and lists of numbers, text and None
-    place : where they stand, for the result
-
-    Yields
-    ------
-    place, value found, value recorded; None stands for what one of them lacks
-    """
-    if isinstance(found, Mapping) and isinstance(recorded, Mapping):
-        for key in dict.fromkeys([*found, *recorded]):
-            yield from differing(found.get(key), recorded.get(key), f"{place}.{key}".strip("."))
-    elif isinstance(found, list) and isinstance(recorded, list) and len(found) == len(recorded):
-        for k, (one, other) in enumerate(zip(found, recorded, strict=True)):
-            yield from differing(one, other, f"{place}[{k}]")
-    elif _is_number(found) and _is_number(recorded):
-        if not _alike(found, recorded):
-            yield place, found, recorded
-    elif found != recorded:
-        yield place, found, recorded
-
-
-def leaves(numbers: Any) -> Iterator[Any]:
-    """Every value inside nested dicts and lists.
-
-    Parameters
-    ----------
-    numbers : nested dicts and lists
-
-    Yields
-    ------
-    value
-    """
-    if isinstance(numbers, Mapping):
-        numbers = list(numbers.values())
-    if isinstance(numbers, list):
-        for part in numbers:
-            yield from leaves(part)
-    else:
-        yield numbers
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _alike(one: float, other: float) -> bool:
-    if math.isnan(one) or math.isnan(other):
-        return math.isnan(one) and math.isnan(other)
-    return math.isclose(one, other, rel_tol=RELATIVE_TOLERANCE, abs_tol=ABSOLUTE_TOLERANCE)
-
-
-def shown(value: Any) -> str:
-    """Value of a record on one line.
-
-    Parameters
-    ----------
-    value : number, text or None
-
-    Returns
-    -------
-    str
-    """
-    return f"{value:.4g}" if _is_number(value) else repr(value)[:60]
 
 
 def _listed(names: list[str]) -> str:
