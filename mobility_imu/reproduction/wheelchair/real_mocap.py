@@ -112,18 +112,25 @@ def load_trial(folder: Path, name: str) -> Trial:
     Parameters
     ----------
     folder : of the data set
-    name : of the trial
+    name : of the trial, with the subfolder that it is in; what its person's trials share is in the
+        folder itself, or else in that subfolder
 
     Returns
     -------
     Trial
     """
-    person = name[:3]
+    place, _, label = name.rpartition("/")
+    person = label[:3]
+    own = folder if (folder / f"{person}_static.csv.gz").is_file() else folder / place
     static, straight, recording = (
-        read_recording(folder / f"{part}.csv.gz")
-        for part in (f"{person}_static", f"{person}_straight", name)
+        read_recording(path)
+        for path in (
+            own / f"{person}_static.csv.gz",
+            own / f"{person}_straight.csv.gz",
+            folder / f"{name}.csv.gz",
+        )
     )
-    chair = WheelchairGeometry.from_toml(folder / f"{person}_geometry.toml")
+    chair = WheelchairGeometry.from_toml(own / f"{person}_geometry.toml")
     cal = calibrate_mount(static, straight)
     drive = estimate_velocity(recording, chair, cal.mount, offsets=cal.offsets)
     truth = pd.read_csv(folder / f"{name}_truth.csv.gz")
@@ -139,7 +146,7 @@ def load_trial(folder: Path, name: str) -> Trial:
     wheel = recording.gyroscope("right_wheel") - drive.offsets["right_wheel"].offset_radps
     about = cal.mount.frame(gyr)
     return Trial(
-        name=name,
+        name=label,
         chair=chair,
         calibration=cal,
         recording=recording,
