@@ -51,9 +51,27 @@ REAL_SETS: dict[str, RealSet] = {
         RealSet("real_car", "wheelchair", "car-wheels", "car, satellite positions"),
         RealSet("real_walks", "walker", "labelled-walks", "walking frame, labelled steps"),
         RealSet("real_feet", "walker", "foot-walks", "sensor on a foot, motion capture"),
+        RealSet("held_drives", "wheelchair", "terrain-chair", "held back: chair on real ground"),
+        RealSet("held_chairs", "wheelchair", "mocap-chair", "held back: sports chairs"),
+        RealSet("held_car", "wheelchair", "car-wheels", "held back: car"),
+        RealSet("held_walks", "walker", "labelled-walks", "held back: walking frame"),
+        RealSet("held_feet", "walker", "foot-walks", "held back: sensor on a foot"),
+        RealSet(
+            "dropped_chairs", "wheelchair", "mocap-chair", "left out by the choice: sports chairs"
+        ),
     )
 }
-"""Sets by the names of their records."""
+"""Sets by the names of their records; *held back* were not looked at until the settings were fixed
+at the commit :data:`~mobility_imu.reproduction.real_files.FROZEN`."""
+HELD_OF = {
+    "held_drives": "real_drives",
+    "held_chairs": "real_chair_mocap",
+    "dropped_chairs": "real_chair_mocap",
+    "held_car": "real_car",
+    "held_walks": "real_walks",
+    "held_feet": "real_feet",
+}
+"""Record of what was held back to the record of what was looked at."""
 
 
 @dataclass(frozen=True)
@@ -148,6 +166,26 @@ def real_record(name: str) -> RealRecord | None:
         numbers["files"],
         numbers["rows"],
         numbers["summary"],
+    )
+
+
+def record_note(name: str) -> str:
+    """Where recorded numbers are from, for the pages that show them.
+
+    Parameters
+    ----------
+    name : a key of :data:`REAL_SETS`, of which there is a record
+
+    Returns
+    -------
+    str of three lines: origin, files and recordings, date and command
+    """
+    record = real_record(name)
+    assert record is not None, f"{name}: nothing is recorded"
+    return (
+        f"{record.origin.removeprefix('https://')}\n"
+        f"{len(record.rows)} recordings, {len(record.files)} files; the record has the SHA-256\n"
+        f"recorded on {record.date} by {record.command}"
     )
 
 
