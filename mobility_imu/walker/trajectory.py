@@ -429,22 +429,25 @@ def _standard_deviations(
     up = path.rotation_imu_to_world()[:, 2]
     yaw_sd = 2 * np.sqrt(np.einsum("ni,ni->n", up**2, path.sd[:, :3] ** 2))
     heading = np.unwrap(np.arctan2(attitude[:, 1, 0], attitude[:, 0, 0]))
-    variance[:, :2] += (SCALE_SD * _led_astray(position, heading - heading[first], tied)) ** 2
+    variance[:, :2] += (SCALE_SD * _led_astray(position, attitude, tied)) ** 2
     return np.sqrt(np.maximum(variance, 0)), np.hypot(yaw_sd, SCALE_SD * np.abs(heading))
 
 
-def _led_astray(position: FloatArray, turned_rad: FloatArray, tied: bool) -> FloatArray:
+def _led_astray(position: FloatArray, attitude: FloatArray, tied: bool) -> FloatArray:
     """Error of the position per error of the gyroscope's scale, (n, 2) array, m.
 
-    A scale factor that is 1 % too large makes each heading wrong by 1 % of what was turned since
-    the start, and each piece of the way that is gone with it: one constant, which no average
-    makes smaller. A path that is tied to its start at the end has what is left over there spread
-    along the way.
+    A scale factor that is 1 % too large makes each heading wrong by 1 % of what was turned about
+    the vertical since the start, and each piece of the way that is gone with it: one constant,
+    which no average makes smaller. A path that is tied to its start at the end has what is left
+    over there spread along the way.
     """
     pieces = np.diff(position[:, :2], axis=0)
-    middle = 0.5 * (turned_rad[1:] + turned_rad[:-1])[:, None]
+    # About the vertical, however the frame is tilted: its heading may jump where the rate does not.
+    steps = attitude[1:] @ np.swapaxes(attitude[:-1], 1, 2)
+    turns = np.arctan2(steps[:, 1, 0] - steps[:, 0, 1], steps[:, 0, 0] + steps[:, 1, 1])
+    turned = (np.cumsum(turns) - turns / 2)[:, None]
     astray = np.zeros((len(position), 2))
-    np.cumsum(middle * np.column_stack([-pieces[:, 1], pieces[:, 0]]), axis=0, out=astray[1:])
+    np.cumsum(turned * np.column_stack([-pieces[:, 1], pieces[:, 0]]), axis=0, out=astray[1:])
     if tied:
         gone = np.r_[0.0, np.cumsum(np.linalg.norm(pieces, axis=1))]
         astray -= np.outer(gone / max(gone[-1], 1e-9), astray[-1])
