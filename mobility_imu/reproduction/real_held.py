@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 from typing import Any
 
-from mobility_imu.data import recorded_folder
+from mobility_imu.data import reference_folder
 from mobility_imu.frames import one_of
 from mobility_imu.reproduction.real import HELD_OF
 from mobility_imu.reproduction.real_files import Numbers
@@ -45,7 +45,7 @@ def first_run(name: str) -> dict[str, dict[str, Any]]:
     """
     one_of("name", name, tuple(HELD_OF))
     found: dict[str, dict[str, Any]] = {}
-    path = recorded_folder().parent / "reference" / "held_first_run.csv"
+    path = reference_folder() / "held_first_run.csv"
     with path.open(newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
             if row["record"] == name:

@@ -1,10 +1,8 @@
 """Recordings that were held back until the settings were fixed: records, and what changed since."""
 
-import csv
 import json
 import math
 import re
-from collections import defaultdict
 
 import pytest
 
@@ -13,10 +11,10 @@ from mobility_imu.datasets.folders import RECORDINGS_VARIABLE, find_folder
 from mobility_imu.reproduction import real, real_claims, real_files, recorded
 from mobility_imu.reproduction.claims import check
 from mobility_imu.reproduction.real import HELD_OF, REAL_SETS, recompute
+from mobility_imu.reproduction.real_held import first_run
 from mobility_imu.reproduction.walker import held as held_walker
 from mobility_imu.reproduction.wheelchair import held as held_chair
 
-FIRST_RUN = recorded_folder().parent / "reference" / "held_first_run.csv"
 KEYS = {"held_drives": "drive", "held_walks": "walk", "held_feet": "walk"}
 """Name of a row's recording; "trial" in the others."""
 CHANGED_SINCE = {
@@ -31,11 +29,6 @@ CHANGED_SINCE = {
 
 def rows_of(name):
     return {row[KEYS.get(name, "trial")]: row for row in recorded.numbers(name)["rows"]}
-
-
-def first_run():
-    with FIRST_RUN.open(newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def value(row, quantity):
@@ -66,19 +59,16 @@ def test_the_record_is_of_this_code(name):
     assert not recorded.is_stale(name)
 
 
-def test_numbers_are_those_of_the_first_run_but_for_what_is_named():
-    rows = {name: rows_of(name) for name in HELD_OF}
-    seen, changed = defaultdict(set), defaultdict(set)
-    for one in first_run():
-        name, quantity = one["record"], one["quantity"]
-        now = value(rows[name][one["recording"]], quantity)
-        seen[name].add(one["recording"])
-        if not math.isclose(now, float(one["value"]), rel_tol=0.01, abs_tol=1e-4):
-            changed[name].add(quantity)
-    assert {name: set(found) for name, found in rows.items()} == seen
-    assert dict(changed) == {k: changed[k] for k in CHANGED_SINCE}
-    for name, quantities in changed.items():
-        assert quantities <= CHANGED_SINCE[name]
+@pytest.mark.parametrize("name", HELD_OF)
+def test_numbers_are_those_of_the_first_run_but_for_what_is_named(name):
+    rows, first, changed = rows_of(name), first_run(name), set()
+    assert set(rows) == set(first)
+    for recording, quantities in first.items():
+        for quantity, was in quantities.items():
+            now = value(rows[recording], quantity)
+            if not math.isclose(now, was, rel_tol=0.01, abs_tol=1e-4):
+                changed.add(quantity)
+    assert changed <= CHANGED_SINCE.get(name, set()), changed
 
 
 @pytest.mark.parametrize("name", HELD_OF)
