@@ -59,7 +59,7 @@ _GYROSCOPES = "`check` assumes scale factors to 1 %, as these sensors have, and 
 _SIZES = "scale factors are off by 1 % and axes by 0.6 deg, three to six times a data sheet's"
 _CREEP = (
     "the frame's tips creep forward between two steps while the sensor rests: no IMU sees it, and "
-    "it is in no stated deviation; without the creep the interval holds"
+    "it is in no stated deviation; without it, a data sheet's sensors are covered"
 )
 _PAST, _TEST = "past the paper", "driving test"
 _SPEED, _SLIP, _TASKS = "velocities", "slip", "tasks judged by truth"
