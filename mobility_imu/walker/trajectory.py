@@ -57,8 +57,9 @@ class Trajectory(Result):
     rotation_body_to_world : (n, 3, 3) array
     stationary : (n,) bool array
     position_sd_m : (n, 3) array, m, standard deviation of the position along each axis; with the
-        sensor's scale and the mount's errors, as far as the mount states them, but not with creep
-        or slip of the tips, which no IMU sees
+        what wrong scales of the sensor do to lengths and headings (SCALE_SD), and the mount's
+        errors, as far as the mount states them, but not with creep or slip of the tips, which no
+        IMU sees
     yaw_sd_rad : (n,) array, rad. On walks with turns, where SCALE_SD counts, simulated errors are
         0.9 of it. At the end of a straight corridor they are a quarter: the filter's noise is three
         times the gyroscope's, and it allows for a resting frame that turns a little
