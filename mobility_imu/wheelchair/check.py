@@ -58,10 +58,12 @@ RADIUS_TOLERANCE = 0.005
 LARGEST_MISMATCH = 0.2
 """No two wheels of a pair differ by more in radius."""
 GYROSCOPE_SCALE_SD = 0.01
-"""Assumed error of a gyroscope's scale factor as it leaves the factory: the data sheet of the
-MPU-6050 (PS-MPU-6000A-00, 6.1) allows 3 %, taken as three standard deviations."""
+"""Assumed error of a gyroscope's scale factor as it leaves the factory.
+
+The data sheet of the MPU-6050 (PS-MPU-6000A-00, 6.1) allows 3 %, taken as three standard
+deviations."""
 GYROSCOPE_AXIS_SD_RAD = 0.02 / 3
-"""Assumed lean of its axes toward each other: the same sheet states 2 % cross-axis sensitivity."""
+"""Assumed lean of its axes toward each other, from the 2 % cross-axis sensitivity of that sheet."""
 BLOCK_S = 1.0
 """Residuals last about a push; those of one block are taken together."""
 # Below this, track, mismatch of the radii and offset cannot be told apart.

@@ -37,7 +37,7 @@ OTHERS = "others/"
 """Subfolder with the trials that the choice left out."""
 NOT_AT_HAND = "not at hand when the choice was made"
 UNLIKE = "yaw rates do not correlate"
-"""No clock shift makes wheel and motion capture one: nothing can be compared."""
+"""No clock shift makes wheel and motion capture one, so that nothing can be compared."""
 
 
 def held_drives(executor: Any = None) -> Numbers | None:
