@@ -14,8 +14,7 @@ from mobility_imu.reproduction.real_files import Numbers, held_study
 from mobility_imu.reproduction.walker import real_feet, real_walks
 from mobility_imu.reproduction.walker.real_walks_study import summarised
 
-WALKS = tuple(f"walk_{number:02d}" for number in (3, 6, 12, 15, 18, 21, 24, 27, 30))
-FEET = tuple(f"{number:02d}" for number in range(2, 57, 2))
+WALKS, FEET = real_walks.HELD_BACK, real_feet.HELD_BACK
 
 
 def held_walks(executor: Any = None) -> Numbers | None:

@@ -29,7 +29,7 @@ DRIVES = tuple(
     )
     for kind in kinds
 )
-CARS = ("trial04", "trial06", "trial09", "trial10")
+CARS = real_car.HELD_BACK
 TRACK_M = 0.526
 """By hand, mean of the three circles that were looked at; the chair is the same."""
 PARTS = ("_truth.csv.gz", ".csv.gz")
@@ -112,7 +112,7 @@ def held_names(folder: Path) -> list[str]:
     -------
     list of str
     """
-    return [name for name in real_mocap.trial_names(folder) if int(name[1:3]) % 2 == 0]
+    return [name for name in real_mocap.trial_names(folder) if real_mocap.is_held_back(name)]
 
 
 def left_out(folder: Path) -> pd.DataFrame:

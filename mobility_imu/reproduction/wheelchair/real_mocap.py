@@ -106,6 +106,20 @@ def trial_names(folder: Path) -> list[str]:
     return [path.name.removesuffix(ending) for path in sorted(folder.glob(f"*{ending}"))]
 
 
+def is_held_back(name: str) -> bool:
+    """Whether a trial was not looked at until the settings were fixed: people with even numbers.
+
+    Parameters
+    ----------
+    name : of the trial
+
+    Returns
+    -------
+    bool
+    """
+    return int(name[1:3]) % 2 == 0
+
+
 def load_trial(folder: Path, name: str) -> Trial:
     """Read a trial, calibrate with the person's own cuts, find speed and yaw rate.
 
@@ -484,13 +498,14 @@ def real_numbers(folder: Path, names: list[str] | None = None) -> Numbers:
     Parameters
     ----------
     folder : of the data set
-    names : trials that are looked at; None takes all
+    names : trials that are looked at; None takes all that were not held back
 
     Returns
     -------
     dict with ``files``, ``rows``, ``summary``, ``series``, ``spectra``
     """
-    trials = [load_trial(folder, name) for name in names or trial_names(folder)]
+    names = names or [name for name in trial_names(folder) if not is_held_back(name)]
+    trials = [load_trial(folder, name) for name in names]
     held = held_out(trials)
     rows = [
         trial_row(t) | ({"speed_rms_held_out_mps": held[t.name]} if t.name in held else {})
