@@ -22,6 +22,7 @@ from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray, as_number
+from mobility_imu.health import examine
 from mobility_imu.offsets import (
     GyroscopeOffset,
     merge_offsets,
@@ -99,7 +100,8 @@ class GeometryCheck(Result):
     gain : factor on the frame's yaw rate that fits the wheels' best
     lag_s : s by which the wheels come after the frame
     turned_rad : rad turned in all, to either side, while turning faster than 0.3 rad/s
-    judged : False if the drive turns too little to judge the geometry; what follows is then NaN
+    judged : False if the drive turns too little to judge the geometry, or a sensor is at fault;
+        what follows is then NaN
     fits : True if it is judged and nothing is wrong with track, radii and camber
     yaw_gain_left, yaw_gain_right : wheels' yaw rate over the frame's, in left and in right turns;
         1 is right; NaN without enough of such turns
@@ -202,7 +204,12 @@ def check_geometry(
     parts = _Parts(
         recording, yaw, wheels[0], wheels[1], (left + right) / 2, right - left, usable, gyroscopes
     )
-    verdict = _verdict(parts, geometry, mount, found, agreement)
+    faulty = [fault.sentence for fault in examine(recording) if fault.code != "range"]
+    verdict: dict[str, Any] = (
+        {"warnings": ("a sensor is at fault, so the geometry is not judged", *faulty)}
+        if faulty
+        else _verdict(parts, geometry, mount, found, agreement)
+    )
     return GeometryCheck(
         **agreement,
         **{**NO_VERDICT, **verdict, "warnings": (*verdict["warnings"], *warnings)},
