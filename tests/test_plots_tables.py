@@ -1,0 +1,36 @@
+"""Tables that several chapters show alike."""
+
+import re
+
+from mobility_imu.plots.tables import show_statements, show_static_table
+from mobility_imu.reproduction.claims import check
+from mobility_imu.reproduction.scooter.static_table import CELL_TOLERANCE_DEG, compare_static_table
+from mobility_imu.reproduction.scooter.table_claims import table_claims
+
+
+def cells(html):
+    return re.findall(r'<td[^>]*class="data[^"]*"[^>]*>([^<]*)</td>', html)
+
+
+def test_statements_show_published_and_ours_with_a_verdict_in_words():
+    claims = [c for c in table_claims()[100:] if c.unit in ("%", "1")]
+    shown = cells(show_statements([check(c) for c in claims], "text").to_html())
+    assert len(shown) == 7 * len(claims)
+    assert shown.count("agrees") + shown.count("differs") == len(claims)
+    row = next(k for k, text in enumerate(shown) if "exactly 40 deg" in text)
+    assert shown[row].endswith("(%)")
+    assert shown[row + 1 : row + 7] == ["section 3.2", "11.3", "", "12.5", "0.05", "differs"]
+
+
+def test_table_1_is_laid_out_as_in_the_paper():
+    comparison = compare_static_table()
+    single = show_static_table(
+        comparison, "single", "s", caption="deg", tolerance_deg=CELL_TOLERANCE_DEG
+    )
+    shown = cells(single.to_html())
+    assert len(shown) == 10 * 7
+    assert shown[14:17] == ["upward", "published", "9.80 ± 9.30"]
+    assert shown[21:24] == ["", "geometry", "9.92 ± 8.37"]
+    assert sum("≠" in text for text in shown) == 25 - 18
+    dual = cells(show_static_table(comparison, "dual", "d", caption="deg").to_html())
+    assert len(dual) == 5 * 6 and not any("≠" in text for text in dual)
