@@ -1,7 +1,8 @@
-"""Tables that several chapters show alike."""
+"""Tables of the chapters, and figures that are tables of numbers."""
 
 import re
 
+from mobility_imu.plots.scooter_driving import plot_effects
 from mobility_imu.plots.tables import show_statements, show_static_table
 from mobility_imu.reproduction.claims import check
 from mobility_imu.reproduction.scooter.static_table import CELL_TOLERANCE_DEG, compare_static_table
@@ -34,3 +35,18 @@ def test_table_1_is_laid_out_as_in_the_paper():
     assert sum("≠" in text for text in shown) == 25 - 18
     dual = cells(show_static_table(comparison, "dual", "d", caption="deg").to_html())
     assert len(dual) == 5 * 6 and not any("≠" in text for text in dual)
+
+
+def test_errors_by_condition_are_written_into_their_grid():
+    import matplotlib.pyplot as plt
+
+    grid = {
+        "everything": {"steering": {"straight": 8.25, "curves": 11.0}},
+        "nothing": {"steering": {"straight": 0.02, "curves": 0.0}},
+    }
+    both = {row: of | {"throttle": of["steering"]} for row, of in grid.items()}
+    figure = plot_effects(both)
+    written = [text.get_text() for text in figure.axes[0].texts]
+    assert written == ["8.2", "11.0", "0.0", "0.0"]
+    assert [t.get_text() for t in figure.axes[0].get_yticklabels()] == list(grid)
+    plt.close(figure)
