@@ -340,7 +340,7 @@ def plot_errors(
                 if angle == "steering":
                     ax.set_title(course)
                 ax.set_xlabel("absolute error, deg")
-            row[0].set_ylabel(f"({letter}) {angle}\nshare of the time")
+            row[0].set_ylabel(f"({letter}) {angle}\nfraction of the time")
         panels[0, 0].set_ylim(0, 1)
         figure.legend(
             *panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2
