@@ -105,10 +105,10 @@ class FindingCounts(Findings):
         """Write the table in MyST."""
         self.env.note_dependency(str(DATA))
         counted = source.counts()
-        lines = ["::::{list-table}", ":header-rows: 1", "", "* - kind", "  - what it means"]
+        lines = ["::::{list-table}", ":header-rows: 1", ":class: finding-check", "", "* - kind"]
         lines += [f"  - {work}" for work in counted]
         for kind, meaning in source.KINDS.items():
-            lines += [f"* - *{kind}*", f"  - {meaning}"]
+            lines += [f"* - *{kind}*: {meaning}"]
             lines += [f"  - {counted[work][kind] or '–'}" for work in counted]
         return self.parsed([*lines, "::::"])
 
