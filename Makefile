@@ -6,7 +6,7 @@ JB     := build . --path-output ../.. --all --config book/_config.yml --toc book
           -W -n --keep-going
 BOOKS  := $(shell find notebooks -name '*.ipynb' -not -path '*/.ipynb_checkpoints/*')
 
-.PHONY: book page test lint check lab bench record lock clean help
+.PHONY: book page look test lint check lab bench record lock clean help
 help:                     ## list the commands
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 10
 
@@ -18,6 +18,9 @@ book: $(VENV)/.installed  ## set up, execute what changed, build the HTML strict
 
 page: $(VENV)/.installed  ## build one page, not strictly: make page P=notebooks/walker/steps.ipynb
 	$(BIN)/python book/page.py $(P)
+
+look: $(VENV)/look/.installed ## look at every built page in Chromium, wide and narrow, light and dark
+	$(VENV)/look/bin/python checks/look.py
 
 test: $(VENV)/.installed  ## set up, run every test and doctest, and the notebooks that changed
 	$(BIN)/python book/execute.py
@@ -44,6 +47,11 @@ bench: $(VENV)/.installed ## measure speed as ratios against named peers
 $(VENV)/gaitmap/.installed: benchmarks/requirements-gaitmap.txt
 	$(PYTHON) -m venv $(VENV)/gaitmap
 	$(VENV)/gaitmap/bin/python -m pip install --disable-pip-version-check --quiet -r $<
+	touch $@
+
+$(VENV)/look/.installed: checks/requirements-look.txt
+	$(PYTHON) -m venv $(VENV)/look
+	$(VENV)/look/bin/python -m pip install --disable-pip-version-check --quiet -r $<
 	touch $@
 
 record: $(VENV)/.installed ## compute again what data/recorded keeps (an hour)

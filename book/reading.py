@@ -33,7 +33,7 @@ ORDINARY = {
 }
 """Terms that are everyday words too: not each of their uses means the term."""
 DROPPED = (
-    r"\bis said\b", r"\bare said\b", r"\bwas said\b", r"\bby accident\b", r"\bthe print\b",
+    r"\bis said\b", r"\bare said\b", r"\bwas said\b", r"\bby accident\b",
     r"\bstretch(es)?\b", r"\bdoubts?\b", r"\bknows? better\b", r"\bwitness\b",
     r"\bcourage\b", r"\bcaution\b", r"\bnobody knows\b", r"\bhangs? on\b", r"\btaken for granted\b",
     r"\bnowhere else\b", r"\bthe issue\b", r"\bsubtle\b",

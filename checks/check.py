@@ -228,7 +228,12 @@ def dask(step: Step) -> str:
 def mutations(step: Step) -> str:
     """2,000 inputs damaged at random: no traceback, no lost file."""
     found = step.run(
-        *(sys.executable, *SUITE, "tests/cli/test_cli_mutations.py"),
+        *(
+            sys.executable,
+            *SUITE,
+            "tests/cli/test_cli_mutations.py",
+            "tests/readers/test_mutations.py",
+        ),
         cwd=ROOT,
         MOBILITY_IMU_MUTATIONS="2000",
         **ONE_THREAD,

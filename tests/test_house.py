@@ -26,7 +26,7 @@ LAYERS = (
     {"runs", "results"},
     {"rotations", "filters", "recording"},
     {"hinges", "offsets", "quality", "readers", "arguments"},
-    {"datasets"},
+    {"datasets", "health"},
     set(DEVICES),
     {"simulation"},
     {"plots", "reproduction"},

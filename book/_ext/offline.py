@@ -11,6 +11,13 @@ FOREIGN = re.compile(
     r'|<link\b[^>]*\bhref="https?://[^>]*\brel="?stylesheet"?[^>]*>'
     r'|<script\b[^>]*\bsrc="https?://[^>]*>\s*</script>'
 )
+# Jupyter Book adds Thebe to each page even if it is switched off; its script asks for a server.
+THEBE = re.compile(
+    r"<link\b[^>]*sphinx-thebe\.css[^>]*>|<script\b[^>]*sphinx-thebe\.js[^>]*>\s*</script>"
+    r"|<script>const THEBE_JS_URL\b.*?</script>"
+    r'|<script type="text/x-thebe-config">.*?</script>\s*<script>kernelName\b.*?</script>',
+    re.DOTALL,
+)
 LOADS = re.compile(r'<(?:script|img|iframe|source|video|audio)\b[^>]*\bsrc="https?://[^"]*"')
 
 
@@ -20,7 +27,7 @@ def clean(app, error):
         return
     for page in Path(app.outdir).rglob("*.html"):
         text = page.read_text(encoding="utf-8")
-        cleaned = FOREIGN.sub("", text)
+        cleaned = THEBE.sub("", FOREIGN.sub("", text))
         if cleaned != text:
             page.write_text(cleaned, encoding="utf-8")
         left = LOADS.search(cleaned)

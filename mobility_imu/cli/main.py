@@ -18,6 +18,7 @@ import typer
 from mobility_imu import __version__
 from mobility_imu.cli.fetch import fetch
 from mobility_imu.cli.messages import say
+from mobility_imu.cli.read import read
 from mobility_imu.cli.reproduce import reproduce
 from mobility_imu.cli.scooter import app as scooter_app
 from mobility_imu.cli.simulate import app as simulate_app
@@ -42,6 +43,7 @@ app.add_typer(walker_app, name="walker")
 app.add_typer(simulate_app, name="simulate")
 app.command("reproduce")(reproduce)
 app.command("fetch")(fetch)
+app.command("read")(read)
 
 
 def _version(wanted: bool) -> None:

@@ -21,7 +21,15 @@ Folder = Annotated[
     typer.Option("--output", "-o", help="Folder to write into.", parser=_folder, metavar="PATH"),
 ]
 Rate = Annotated[
-    float, typer.Option(help="Hz; for formats that have no clock (WheelMove-ID, Xsens).", min=1)
+    float | None,
+    typer.Option(help="Hz; for files that state no rate (WheelMove-ID, some of Xsens).", min=1),
+]
+Units = Annotated[
+    list[str] | None,
+    typer.Option("--unit", help="acc=g or gyr=deg/s: for files that state no unit."),
+]
+Strict = Annotated[
+    bool, typer.Option("--strict", help="Refuse a recording with any fault of a sensor.")
 ]
 FillGaps = Annotated[
     float,

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from mobility_imu.cli.inputs import read_input
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Output, Quiet, sub_app
+from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, Units, sub_app
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -58,6 +59,9 @@ def angles(
     causal: Annotated[
         bool, typer.Option("--causal", help="Fusion: use the past only, no smoother.")
     ] = False,
+    sampling_rate_hz: Rate = None,
+    unit: Units = None,
+    strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
@@ -67,7 +71,7 @@ def angles(
     --acc-noise-mps2 is given.
     """
     from mobility_imu.cli.summaries import read_line, ride_lines, written_line
-    from mobility_imu.readers import read_recording, recording_files
+    from mobility_imu.readers import recording_files
     from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount, estimate_ride
 
     outputs = Outputs({"--output": output}, (*recording_files(recording), geometry))
@@ -81,7 +85,14 @@ def angles(
         smooth=not causal,
     )
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
-    ride = read_recording(recording, fill_gaps_s=fill_gaps_s)
+    ride = read_input(
+        recording,
+        "scooter",
+        sampling_rate_hz=sampling_rate_hz,
+        fill_gaps_s=fill_gaps_s,
+        units=unit,
+        strict=strict,
+    )
     if "body" not in ride.sensors and not single_imu:
         raise InputError(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone give --single-imu"
@@ -114,6 +125,9 @@ def calibrate(
         Path, typer.Option(help="CSV steering_deg,throttle_deg: the poses, in order.")
     ],
     output: Output,
+    sampling_rate_hz: Rate = None,
+    unit: Units = None,
+    strict: Strict = False,
     quiet: Quiet = False,
 ) -> None:
     """How both IMUs are mounted, from parked poses with the controls at their stops.
@@ -122,13 +136,17 @@ def calibrate(
     on a ramp: level ground alone does not show a turn of the body's IMU about the vertical.
     """
     from mobility_imu.cli.summaries import scooter_mount_lines, written_line
-    from mobility_imu.readers import read_recording, recording_files
+    from mobility_imu.readers import recording_files
     from mobility_imu.scooter import ScooterGeometry, calibrate_mount
 
-    recordings = (file for path in parked for file in recording_files(path))
-    outputs = Outputs({"--output": output}, (*recordings, geometry, poses))
+    files = (file for path in parked for file in recording_files(path))
+    outputs = Outputs({"--output": output}, (*files, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
-    found = calibrate_mount([read_recording(path) for path in parked], settings, scooter)
+    recordings = [
+        read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz, units=unit, strict=strict)
+        for path in parked
+    ]
+    found = calibrate_mount(recordings, settings, scooter)
     warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
     outputs.write({output: found.to_toml().encode()})
     read = f"read: {len(parked)} parked recordings, {len(settings)} poses in each"
@@ -161,6 +179,9 @@ def check(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Also write the table as CSV.")
     ] = None,
+    sampling_rate_hz: Rate = None,
+    unit: Units = None,
+    strict: Strict = False,
     quiet: Quiet = False,
 ) -> None:
     """Whether the angles agree with those that a protractor set.
@@ -173,7 +194,7 @@ def check(
     import numpy as np
 
     from mobility_imu.cli.summaries import pose_check_lines, read_line, written_line
-    from mobility_imu.readers import read_recording, recording_files
+    from mobility_imu.readers import recording_files
     from mobility_imu.scooter import (
         PoseCheckSettings,
         ScooterGeometry,
@@ -191,7 +212,10 @@ def check(
     if kept_on:
         settings = settings.kept_on()
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
-    set_rad, recording = read_poses(poses), read_recording(parked)
+    set_rad = read_poses(poses)
+    recording = read_input(
+        parked, "scooter", sampling_rate_hz=sampling_rate_hz, units=unit, strict=strict
+    )
     found = check_poses(recording, set_rad, scooter, mount, settings)
     written = []
     if output is not None:

@@ -1,4 +1,4 @@
-"""Summaries of the commands: what was read, what was found, what is doubtful, where it is.
+"""Summaries of the commands: what was read, what was found, what is uncertain, where it is.
 
 Each function returns the lines for one command's result, without the line of the files.
 """
@@ -69,8 +69,10 @@ def ride_lines(found: RideAngles) -> list[str]:
         angle, sd = (
             np.rad2deg(getattr(found, f"{name}_{part}rad")[found.valid]) for part in ("", "sd_")
         )
-        doubt = f"sd {np.median(sd):.2g} deg (median)" if np.isfinite(sd).all() else "sd not known"
-        lines.append(f"{name}: {angle.min():.1f} to {angle.max():.1f} deg, {doubt}")
+        uncertainty = (
+            f"sd {np.median(sd):.2g} deg (median)" if np.isfinite(sd).all() else "sd not known"
+        )
+        lines.append(f"{name}: {angle.min():.1f} to {angle.max():.1f} deg, {uncertainty}")
     lines.append(f"valid: {_percent(found.valid)} of {len(found.valid)} samples")
     return lines
 
@@ -142,11 +144,11 @@ def velocity_lines(found: ChairVelocity) -> list[str]:
     turn, turn_sd = (
         step * np.rad2deg(rate).sum() for rate in (found.yaw_rate_radps, found.yaw_rate_sd_radps)
     )
-    doubt = f"sd at most {turn_sd:.2g} deg"
+    uncertainty = f"sd at most {turn_sd:.2g} deg"
     return [
         f"distance forward: {way:.2f} m (sd at most {way_sd:.2g} m); "
         f"largest speed {speed.max():.2f} m/s",
-        f"turn from beginning to end: {_whole(turn)} deg ({doubt}), left positive",
+        f"turn from beginning to end: {_whole(turn)} deg ({uncertainty}), left positive",
         f"slip: {_percent(found.slip)} of the time"
         if np.isfinite(found.wheel_yaw_rate_radps).any()
         else "slip: cannot be seen with one wheel",
@@ -166,7 +168,7 @@ def check_lines(found: GeometryCheck) -> list[str]:
     """
     if not found.judged:
         return ["geometry: not judged"]
-    return ["geometry: fits" if found.fits else f"geometry: {len(found.warnings)} doubt(s)"]
+    return ["geometry: fits" if found.fits else f"geometry: {len(found.warnings)} warning(s)"]
 
 
 def tasks_lines(found: Tasks) -> list[str]:

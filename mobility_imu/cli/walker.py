@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from mobility_imu.cli.inputs import read_input
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Output, Quiet, Smooth, sub_app
+from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Smooth, Strict, Units, sub_app
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -36,6 +37,9 @@ def calibrate(
         str, typer.Option(help="Tilts as they were made; some may be missing in the recording.")
     ] = "front,back,right,left",
     smooth: Smooth = True,
+    sampling_rate_hz: Rate = None,
+    unit: Units = None,
+    strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
@@ -46,12 +50,19 @@ def calibrate(
     each tilt.
     """
     from mobility_imu.cli.summaries import read_line, walker_mount_lines, written_line
-    from mobility_imu.readers import read_recording, recording_files
+    from mobility_imu.readers import recording_files
     from mobility_imu.walker import WalkerGeometry, calibrate_mount
 
     outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
     frame = WalkerGeometry.from_toml(geometry)
-    recording = read_recording(tilts, fill_gaps_s=fill_gaps_s)
+    recording = read_input(
+        tilts,
+        "walker",
+        sampling_rate_hz=sampling_rate_hz,
+        fill_gaps_s=fill_gaps_s,
+        units=unit,
+        strict=strict,
+    )
     found = calibrate_mount(
         recording,
         frame,
@@ -87,6 +98,9 @@ def trajectory(
             help="The walk ends where and as it began: a constraint, never evidence of accuracy.",
         ),
     ] = False,
+    sampling_rate_hz: Rate = None,
+    unit: Units = None,
+    strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
@@ -98,14 +112,21 @@ def trajectory(
     if closed_loop and not smooth:
         raise InputError("--closed-loop needs the smoother: it cannot be had with --no-smooth")
     from mobility_imu.cli.summaries import read_line, trajectory_lines, written_line
-    from mobility_imu.readers import read_recording, recording_files
+    from mobility_imu.readers import recording_files
     from mobility_imu.readers.rests import read_rests
     from mobility_imu.walker import ClosedLoop, WalkerMount, estimate_trajectory
 
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
-    recording = read_recording(walk, fill_gaps_s=fill_gaps_s)
+    recording = read_input(
+        walk,
+        "walker",
+        sampling_rate_hz=sampling_rate_hz,
+        fill_gaps_s=fill_gaps_s,
+        units=unit,
+        strict=strict,
+    )
     known = None if rests is None else read_rests(rests, recording.time_s)
     try:
         found = estimate_trajectory(

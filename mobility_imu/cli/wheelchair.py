@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from mobility_imu.cli.inputs import read_input
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, sub_app
+from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, Units, sub_app
 from mobility_imu.errors import InputError, needs
 from mobility_imu.files import Outputs, csv_bytes, figure_bytes
 
@@ -53,7 +54,9 @@ def velocity(
     ] = "none",
     filter_window: Annotated[int, typer.Option(help="Samples in the filter's window, odd.")] = 7,
     filter_order: Annotated[int, typer.Option(help="Order of the Savitzky-Golay filter.")] = 2,
-    sampling_rate_hz: Rate = 100.0,
+    sampling_rate_hz: Rate = None,
+    unit: Units = None,
+    strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
@@ -71,7 +74,7 @@ def velocity(
     chair = WheelchairGeometry.from_toml(geometry)
     drive, still, line = (
         smooth_recording(recording, smoothing, window=filter_window, order=filter_order)
-        for recording in _read(trials, sampling_rate_hz, fill_gaps_s)
+        for recording in _read(trials, sampling_rate_hz, fill_gaps_s, unit, strict)
     )
     calibration = _calibrated(drive, still, line, take_off_offsets=camber != "printed")
     settings = (
@@ -105,11 +108,22 @@ def _files(trials: tuple[Path, ...]) -> list[Path]:
     return [file for trial in trials for file in recording_files(trial)]
 
 
-def _read(trials: tuple[Path, ...], sampling_rate_hz: float, fill_gaps_s: float) -> list[Recording]:
-    from mobility_imu.readers import read_recording
-
+def _read(
+    trials: tuple[Path, ...],
+    sampling_rate_hz: float | None,
+    fill_gaps_s: float,
+    units: list[str] | None,
+    strict: bool,
+) -> list[Recording]:
     return [
-        read_recording(trial, sampling_rate_hz=sampling_rate_hz, fill_gaps_s=fill_gaps_s)
+        read_input(
+            trial,
+            "wheelchair",
+            sampling_rate_hz=sampling_rate_hz,
+            fill_gaps_s=fill_gaps_s,
+            units=units,
+            strict=strict,
+        )
         for trial in trials
     ]
 
@@ -120,7 +134,9 @@ def check(
     static: Static,
     straight: Straight,
     geometry: Geometry,
-    sampling_rate_hz: Rate = 100.0,
+    sampling_rate_hz: Rate = None,
+    unit: Units = None,
+    strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
@@ -129,7 +145,9 @@ def check(
     from mobility_imu.wheelchair import WheelchairGeometry, check_geometry
 
     chair = WheelchairGeometry.from_toml(geometry)
-    drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s)
+    drive, still, line = _read(
+        (trial, static, straight), sampling_rate_hz, fill_gaps_s, unit, strict
+    )
     calibration = _calibrated(drive, still, line)
     found = check_geometry(drive, chair, calibration.mount, offsets=calibration.offsets)
     warn(calibration.warnings)

@@ -113,7 +113,8 @@ class Output:
             ("gyr", "radps", stream.gyr_radps),
         ):
             for k, axis in enumerate("xyz"):
-                columns[f"{sensor}_{quantity}_{axis}_{unit}"] = values[:, k]
+                if values is not None:
+                    columns[f"{sensor}_{quantity}_{axis}_{unit}"] = values[:, k]
         self.table(name, columns)
 
     def table(self, name: str, columns: Mapping[str, Any] | Any, *, digits: int = 6) -> None:

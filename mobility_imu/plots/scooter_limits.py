@@ -111,7 +111,7 @@ def plot_budget(
                 "o",
                 color="black",
                 mfc="white",
-                label="all, drawn scooters",
+                label="all, random scooters",
             )
             ax.set_title(angle)
             ax.set_xlabel("steering, deg")
@@ -217,7 +217,7 @@ def plot_mirror(geometry: ScooterGeometry, *, lock_rad: float) -> Figure:
 
 
 def plot_cells(published_deg: FloatArray, models_deg: Mapping[str, FloatArray]) -> Figure:
-    """Plot all 50 MAE and 50 SD of Table 1 as printed against each model's.
+    """Plot all 50 MAE and 50 SD of Table 1 against each model's.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ def plot_cells(published_deg: FloatArray, models_deg: Mapping[str, FloatArray]) 
                     ax.set_title(name)
                 if column == 0:
                     ax.set_ylabel(f"{what} of the model, deg")
-                ax.set_xlabel(f"printed {what}, deg")
+                ax.set_xlabel(f"the paper's {what}, deg")
         panels[0, 0].legend(loc="upper left", handletextpad=0.1, borderaxespad=0.1)
     return figure
 
@@ -278,7 +278,7 @@ def _root(values: FloatArray) -> FloatArray:
 
 
 def plot_controls(controls: pd.DataFrame) -> Figure:
-    """Plot the cost of the table as printed and of shuffled ones.
+    """Plot the cost of the paper's table and of shuffled ones.
 
     Parameters
     ----------
@@ -291,7 +291,7 @@ def plot_controls(controls: pd.DataFrame) -> Figure:
     import matplotlib.pyplot as plt
 
     with use_style():
-        figure, ax = plt.subplots(figsize=(7.2, 3.0))
+        figure, ax = plt.subplots(figsize=(7.2, 2.6))
         kinds = list(dict.fromkeys(controls["table"]))
         for place, kind in enumerate(kinds):
             cost = np.sort(controls.loc[controls["table"] == kind, "cost"])
@@ -301,7 +301,8 @@ def plot_controls(controls: pd.DataFrame) -> Figure:
         ax.set_xticks([50, 100, 200, 500, 1000], labels=["50", "100", "200", "500", "1000"])
         ax.set_xticks([], minor=True)
         ax.set_yticks([-k for k in range(len(kinds))])
-        ax.set_yticklabels([kind if kind == "as printed" else f"{kind} shuffled" for kind in kinds])
+        names = ["the paper's table", *(f"{kind} shuffled" for kind in kinds[1:])]
+        ax.set_yticklabels(names)
         ax.set_ylim(-len(kinds) + 0.5, 0.5)
         ax.set_xlabel("cost of the best fit (squared residuals over variances, with priors), 1")
     return figure

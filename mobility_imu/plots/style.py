@@ -140,6 +140,7 @@ def show_table(
     """
     padding = {"selector": "td, th", "props": "padding: 0.1em 0.7em; text-align: left"}
     styled = table.style.format(precision=digits, na_rep=missing).set_table_styles([padding])
+    styled = styled.set_table_attributes('class="dataframe"')  # the page's colours, light or dark
     if not index:
         styled = styled.hide(axis="index")
     if caption is not None:

@@ -61,7 +61,7 @@ def _draw_frames() -> Figure:
         _line(axes, foot, top[name], color="0.35", linewidth=4)
     for one, other in (("D", "A"), ("A", "B"), ("B", "C")):
         _line(axes, top[one], top[other], color="0.35", linewidth=4)
-    brace = [p + 0.45 * (top[n] - p) for n, p in zip("AB", (a, b), strict=True)]
+    brace = [p + 0.3 * (top[n] - p) for n, p in zip("AB", (a, b), strict=True)]
     _line(axes, *brace, color="0.5", linewidth=3)
     for name, foot, shift in (
         ("A front left", a, (0.02, 0.03)),
@@ -70,21 +70,21 @@ def _draw_frames() -> Figure:
         ("D rear left", d, (-0.30, -0.05)),
     ):
         axes.annotate(name, VIEW @ foot + shift, fontsize=9, color="0.25")
-    _axes3(axes, np.zeros(3), np.eye(3) * 0.25, "b", COLOURS)
+    _axes3(axes, np.zeros(3), np.eye(3) * 0.18, "b", COLOURS)
     beside, turned = np.array([0.62, -0.85, 0.0]), np.deg2rad(35)
     world = np.array(
         [[np.cos(turned), np.sin(turned), 0], [-np.sin(turned), np.cos(turned), 0], [0, 0, 1]]
     )
     _axes3(axes, beside, world * 0.22, "w", COLOURS, line=":")
     axes.annotate("world", VIEW @ beside + (-0.02, -0.08), fontsize=9, color="0.25", ha="center")
-    imu = a + 0.62 * (top["A"] - a)
+    imu = a + 0.5 * (top["A"] - a)
     turn = np.array([[0.5, -0.6, 0.62], [0.7, 0.7, 0.1], [-0.5, 0.38, 0.78]]) * 0.2
     _axes3(axes, imu, turn, "I", COLOURS, line="--")
     axes.plot(*(VIEW @ imu), "s", color=COLOURS["vermilion"], markersize=9, zorder=6)
     axes.annotate("IMU", VIEW @ imu + (0.03, -0.07), color=COLOURS["vermilion"])
     _arrow(axes, np.zeros(3), imu, color=COLOURS["purple"], linestyle=":")
     axes.annotate("$T$", VIEW @ (imu * 0.55) + (0.02, -0.06), color=COLOURS["purple"], fontsize=13)
-    axes.annotate("(forward)", VIEW @ np.array([0.35, 0, 0]) + (0.0, -0.02), fontsize=9)
+    axes.annotate("(forward)", VIEW @ np.array([0.28, 0, 0]) + (0.0, -0.02), fontsize=9)
     axes.set_aspect("equal")
     axes.set_xlim(-0.55, 1.30)
     axes.set_ylim(-0.18, 1.25)

@@ -77,7 +77,7 @@ def plot_step_signals(
         handles = [
             plt.Line2D([], [], color=COLOURS["vermilion"], linestyle="--", label="lift"),
             plt.Line2D([], [], color=COLOURS["blue"], linestyle="-", label="placement"),
-            plt.Rectangle((0, 0), 1, 1, color="#E4E4E4", label="taken for still"),
+            plt.Rectangle((0, 0), 1, 1, color="#E4E4E4", label="detected as still"),
         ]
         figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure

@@ -10,14 +10,28 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.streams import Stream
+from mobility_imu.readers.streams import Asked, Stream, held_warnings
 from mobility_imu.readers.wording import listed, quoted
 
 ELAPSED = "Time since start in ms"
 WALL = "YYYY-MO-DD HH-MI-SS_SSS"
 
 
-def parse_androsensor(text: str, source: str) -> Stream:
+def is_androsensor(names: str) -> bool:
+    """Whether a line of names is AndroSensor's.
+
+    Parameters
+    ----------
+    names : the line
+
+    Returns
+    -------
+    bool
+    """
+    return ELAPSED in names and "ACCELEROMETER X" in names
+
+
+def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     """Stream on the wall clock, in s since midnight of the day on which it begins.
 
     The elapsed time runs evenly but from a start of its own; the wall clock is coarse. The median
@@ -28,10 +42,11 @@ def parse_androsensor(text: str, source: str) -> Stream:
     ----------
     text : content of the file; LINEAR ACCELERATION (gravity taken out) is not used
     source : the file's name, for messages
+    asked : not used, for the names state the units
 
     Returns
     -------
-    Stream
+    tuple of one Stream
 
     Raises
     ------
@@ -54,7 +69,9 @@ def parse_androsensor(text: str, source: str) -> Stream:
         vectors.append(
             np.column_stack([_numbers(_column(table, n, source), n, source) for n in names])
         )
-    return Stream(elapsed + np.median(wall - elapsed), *vectors, source=source)
+    time_s = elapsed + np.median(wall - elapsed)
+    said = held_warnings(time_s, vectors[0], source)
+    return (Stream(time_s, *vectors, source=source, warnings=said),)
 
 
 def _column(table: Any, name: str, source: str) -> Any:
@@ -84,7 +101,9 @@ def _seconds_of_day(column: Any, source: str) -> FloatArray:
     parsed = pd.to_datetime(dates, errors="coerce")
     if parsed.isna().any():
         k = int(np.argmax(parsed.isna()))
-        raise InputError(f"{source}: line {k + 2}: '{quoted(column.iloc[k])}' is no date and time")
+        raise InputError(
+            f"{source}: line {k + 2}: '{quoted(str(column.iloc[k]))}' is no date and time"
+        )
     return np.array((parsed - parsed.iloc[0].normalize()).dt.total_seconds(), float)
 
 

@@ -17,6 +17,8 @@ LONGEST_FILL_S = 60.0
 """A straight line over a longer gap says nothing of the motion."""
 FEWEST_TO_FILL = 1000
 """So many samples may be filled in even if the recording has fewer."""
+MOSTLY_USUAL = 0.8
+"""If fewer steps than this part are near the median, there is no usual step."""
 LONGEST_SILENT_GAP_S = 0.1
 """Sensors that are joined are interpolated over a longer gap as well, but a warning says so."""
 
@@ -136,6 +138,88 @@ def fill_gaps(
     }
 
 
+def one_clock(
+    streams: Mapping[str, Stream], source: str, *, fill_gaps_s: float = 0.0
+) -> tuple[Recording, tuple[str, ...]]:
+    """Recording of sensors that may each have a clock of its own.
+
+    Samples stay as they are if all sensors have the same times and these count samples or are
+    increasing without gaps. Otherwise the sensors are interpolated to one even clock at the rate
+    of the slowest; a gap longer than 0.1 s, or than ``fill_gaps_s`` if that is longer, is
+    refused.
+
+    Parameters
+    ----------
+    streams : sensor name to what it gave
+    source : the first words of a message
+    fill_gaps_s : s, gaps up to this length are bridged by straight lines
+
+    Returns
+    -------
+    recording : Recording, from 0 s unless the times were kept
+    warnings : of the readers, and what was interpolated
+
+    Raises
+    ------
+    InputError
+        Gaps, sensors that share no time, and whatever a Recording refuses.
+    """
+    said = [sentence for stream in streams.values() for sentence in stream.warnings]
+    first = next(iter(streams.values()))
+    same = all(
+        stream.time_s is first.time_s or np.array_equal(stream.time_s, first.time_s, equal_nan=True)
+        for stream in streams.values()
+    )
+    if same and (first.counted or _is_even(first.time_s)):
+        time_s = first.time_s if first.counted else first.time_s - first.time_s[0]
+        sensors = {name: Imu(s.acc_mps2, s.gyr_radps) for name, s in streams.items()}
+        if fill_gaps_s > 0:
+            time_s, sensors = fill_gaps(time_s, sensors, fill_gaps_s, source)
+        recording = Recording(time_s, sensors, source=source)
+        check_rate(recording.sampling_rate_hz, source, clock=True)
+        return recording, tuple(said)
+    longest = max(fill_gaps_s, LONGEST_SILENT_GAP_S)
+    rates = []
+    for name, stream in streams.items():
+        stamps = np.unique(stream.time_s)
+        if len(stamps) < 3:
+            raise InputError(f"{source}, {name}: fewer than three stamps that differ")
+        step = np.diff(stamps)
+        if step.max() > longest:
+            k = int(np.argmax(step))
+            raise InputError(
+                f"{source}, {name}: gap of {step[k]:.3g} s after {stamps[k] - stamps[0]:.2f} s "
+                f"({int((step > longest).sum())} longer than {longest:g} s); give --fill-gaps-s "
+                "(fill_gaps_s in Python) to bridge it, or cut the recording there"
+            )
+        rates.append(_rate(step))
+    rate = check_rate(min(rates), source, clock=True)
+    recording, found = join_streams(streams, rate, source=source)
+    said.append(f"{source}: interpolated to an even clock of {rate:.5g} Hz, for {_why(streams)}")
+    return recording, tuple(dict.fromkeys([*found, *said]))
+
+
+def _rate(step: FloatArray) -> float:
+    """Rate of a sensor from the steps of its stamps; what was lost says nothing of it."""
+    usual = (step > 0.5 * np.median(step)) & (step <= GAP_FACTOR * np.median(step))
+    if usual.mean() < MOSTLY_USUAL:  # no usual step: a logger that writes when it can
+        usual = step <= LONGEST_SILENT_GAP_S
+    return 1 / float(np.mean(step[usual]))
+
+
+def _is_even(time_s: FloatArray) -> bool:
+    """Whether times increase without a gap, so that a Recording takes them as they are."""
+    step = np.diff(time_s)
+    if len(step) < 2 or not (step > 0).all():
+        return False
+    usual = float(np.median(step))
+    return bool(usual / GAP_FACTOR <= step.min() and step.max() <= GAP_FACTOR * usual)
+
+
+def _why(streams: Mapping[str, Stream]) -> str:
+    return "its stamps are not even" if len(streams) == 1 else "each sensor has its own stamps"
+
+
 def join_streams(
     streams: Mapping[str, Stream],
     rate_hz: float,
@@ -185,14 +269,17 @@ def join_streams(
         raise InputError(f"{source}: the sensors share no time ({_spans(clocks)})")
     time_s = np.arange(0.0, span, 1.0 / rate_hz)
 
-    def at_common(name: str, values: FloatArray) -> FloatArray:
+    def at_common(name: str, values: FloatArray | None) -> FloatArray | None:
+        if values is None:
+            return None
         here = values[kept[name]].T
         return np.column_stack([np.interp(time_s + begin, clocks[name], axis) for axis in here])
 
-    sensors = {
-        name: Imu(at_common(name, stream.acc_mps2), at_common(name, stream.gyr_radps))
-        for name, stream in streams.items()
-    }
+    sensors = {}
+    for name, stream in streams.items():
+        acc = at_common(name, stream.acc_mps2)
+        assert acc is not None
+        sensors[name] = Imu(acc, at_common(name, stream.gyr_radps))
     return Recording(time_s, sensors, source=source), tuple(said)
 
 

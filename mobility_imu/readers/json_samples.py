@@ -7,7 +7,7 @@ import json
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.readers.streams import Stream, stream_in_g_and_degrees
+from mobility_imu.readers.streams import Asked, Stream, stream_in_g_and_degrees
 from mobility_imu.readers.table import NumberTable
 from mobility_imu.readers.wording import quoted
 
@@ -16,17 +16,32 @@ GYROSCOPE = ["gy_x", "gy_y", "gy_z"]
 KEYS = ["timestamp", *ACCELEROMETER, *GYROSCOPE]
 
 
-def parse_json_samples(text: str, source: str) -> Stream:
+def is_json_samples(line: str) -> bool:
+    """Whether a text begins like an array of samples.
+
+    Parameters
+    ----------
+    line : its beginning
+
+    Returns
+    -------
+    bool
+    """
+    return line.lstrip().startswith("[{") and '"acc_x"' in line[:400]
+
+
+def read_json_samples(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     """Stream of an array of objects ``acc_x … gy_z, timestamp`` (g, deg/s, s since 1970).
 
     Parameters
     ----------
     text : content of the file; a number may stand as text, as in ``"timestamp": "1680000000.5"``
     source : the file's name, for messages
+    asked : not used
 
     Returns
     -------
-    Stream
+    tuple of one Stream
 
     Raises
     ------
@@ -51,6 +66,5 @@ def parse_json_samples(text: str, source: str) -> Stream:
                 raise InputError(
                     f"{source}: sample {k}: {key} is {quoted(repr(value))}, expected a number"
                 ) from None
-    return stream_in_g_and_degrees(
-        NumberTable(KEYS, rows, source), rows[:, 0], ACCELEROMETER, GYROSCOPE
-    )
+    table = NumberTable(KEYS, rows, source)
+    return (stream_in_g_and_degrees(table, rows[:, 0], ACCELEROMETER, GYROSCOPE),)

@@ -1,46 +1,77 @@
-"""Recordings of IMUs: the canonical CSV, WheelMove-ID's CSV, Xsens MT Manager's text export."""
+"""Recordings of IMUs, in whatever format: one file, several, a folder or an archive."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-
-import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
-from mobility_imu.frames import FloatArray
-from mobility_imu.readers.clocks import check_fill, check_rate, fill_gaps
-from mobility_imu.readers.table import parse_numbers, read_text
-from mobility_imu.readers.wording import quoted
-from mobility_imu.recording import Imu, Recording
+from mobility_imu.readers.clocks import check_fill, check_rate, one_clock
+from mobility_imu.readers.column_map import read_mapped
+from mobility_imu.readers.formats import find_format
+from mobility_imu.readers.sessions import is_session, read_session, session_files
+from mobility_imu.readers.streams import FACTORS, Asked, Stream, factor
+from mobility_imu.readers.table import read_text
+from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.readers.xsens_mt import is_xsens_mt, join_exports, parse_export
+from mobility_imu.recording import Recording
+from mobility_imu.results import Result
 
-AXES = ("x", "y", "z")
-WHEELMOVE_SENSORS = {"Chassis": "frame", "RoueGauche": "left_wheel", "RoueDroite": "right_wheel"}
-# MT Manager names a file after its sensor: words that tell which one it is.
-XSENS_WORDS = {
-    "left_wheel": ("left", "gauche", "izquierda"),
-    "right_wheel": ("right", "droite", "derecha"),
-    "frame": ("frame", "chassis", "chasis"),
+SENSOR_WORDS = {
+    "left_wheel": ("left", "gauche", "izquierda", "links"),
+    "right_wheel": ("right", "droite", "derecha", "rechts"),
+    "frame": ("frame", "chassis", "chasis", "rahmen"),
+    "lever": ("lever", "throttle", "levier"),
+    "body": ("body", "tiller", "scooter"),
 }
-XSENS_COUNTER_RANGE = 65536
-LARGEST_COUNTER = 2**53
-"""From here on a float does not hold every whole number."""
+"""Words in a file's or folder's name, or in a vendor's label, that tell which sensor it is."""
+DEVICES = (("frame", "left_wheel", "right_wheel"), ("lever", "body"))
+MOST_SENSORS = 12
 
 
-def read_recording(
-    path: str | Path, *, sampling_rate_hz: float = 100.0, fill_gaps_s: float = 0.0
-) -> Recording:
-    """Read a recording in any format that the package knows.
+@dataclass(frozen=True, eq=False, repr=False)
+class Reading(Result):
+    """A recording, and what was understood of its file.
 
     Parameters
     ----------
-    path : a ``.csv`` or ``.csv.gz`` file, or the common beginning of the names of several Xsens
-        exports (``Trial`` for ``Trial-Frame.txt``, ``Trial-LeftWheel.txt``, ...)
-    sampling_rate_hz : Hz, for formats without a clock (WheelMove-ID and Xsens files without
-        an ``Update Rate`` line); 100 is both tools' usual rate
+    recording : Recording
+    format : name of the format
+    labels : sensor name to what the file calls it
+    rate_from : where the sampling rate comes from
+    warnings : what was left out, reversed, interpolated or found odd
+    """
+
+    recording: Recording
+    format: str
+    labels: Mapping[str, str]
+    rate_from: str
+    warnings: tuple[str, ...] = field(default=(), kw_only=True)
+
+
+def read_recording(
+    path: str | Path,
+    *,
+    sampling_rate_hz: float | None = None,
+    fill_gaps_s: float = 0.0,
+    units: Mapping[str, str] | None = None,
+    expected: Sequence[str] = (),
+) -> Recording:
+    """Read a recording in any format that the package knows; warnings say what was odd.
+
+    Parameters
+    ----------
+    path : a file, a folder or archive of a session, the common beginning of the names of several
+        Xsens exports (``Trial`` for ``Trial-Frame.txt``, ``Trial-LeftWheel.txt``, ...), or several
+        files as ``lever=a.csv,body=b.csv``
+    sampling_rate_hz : Hz, for formats without a clock; such a file is refused without it
     fill_gaps_s : gaps up to this length are filled by linear interpolation; 0 refuses any gap
+    units : quantity ("acc", "gyr") to its unit, for files that state none
+    expected : names of sensors that are wanted; a sensor without a telling name gets them in order
 
     Returns
     -------
@@ -49,34 +80,187 @@ def read_recording(
     Raises
     ------
     InputError
-        Unknown format, missing columns, and whatever
+        Unknown format, missing columns, a rate or unit that nobody states, and whatever
         :class:`~mobility_imu.recording.Recording` refuses.
     """
-    path = as_path(path)
-    source = str(path)
-    check_rate(sampling_rate_hz, source)
-    check_fill(fill_gaps_s)
-    if not _is_there(path):
-        parts = _xsens_parts(path)
-        if parts:
-            return read_xsens(parts, sampling_rate_hz=sampling_rate_hz, fill_gaps_s=fill_gaps_s)
-        what = "is a folder" if _is_folder(path) else "no such file"
-        raise InputError(f"{path}: {what}, and no Xsens exports whose names begin like this")
-    text = read_text(path)
-    header = text.partition("\n")[0]
-    if header.startswith("//") or header.startswith("PacketCounter"):
-        raise InputError(
-            f"{path}: one sensor of an Xsens export; give the names' common beginning, "
-            f"as in '{path.parent / path.stem.partition('-')[0]}'"
-        )
-    if "time_s" in header.lower():
-        return _canonical(text, source, fill_gaps_s)
-    if "chassis_" in header.lower() or "roue" in header.lower():
-        return _wheelmove_id(text, source, sampling_rate_hz)
-    raise InputError(
-        f"{path}: unknown format. Expected a header with time_s and <sensor>_acc_x_mps2 ..., or "
-        f"WheelMove-ID's Chassis_Acc_X; ...; it begins with '{quoted(header)}'"
+    found = understand(
+        path,
+        sampling_rate_hz=sampling_rate_hz,
+        fill_gaps_s=fill_gaps_s,
+        units=units,
+        expected=expected,
     )
+    for sentence in found.warnings:
+        warnings.warn(sentence, stacklevel=2)
+    return found.recording
+
+
+def understand(
+    path: str | Path,
+    *,
+    sampling_rate_hz: float | None = None,
+    fill_gaps_s: float = 0.0,
+    units: Mapping[str, str] | None = None,
+    expected: Sequence[str] = (),
+    map_path: str | Path | None = None,
+) -> Reading:
+    """Read a recording as :func:`read_recording` does, and say what was understood.
+
+    Parameters
+    ----------
+    path, sampling_rate_hz, fill_gaps_s, units, expected : as in :func:`read_recording`
+    map_path : TOML file that says which column is what, for tables of no known format
+        (:mod:`mobility_imu.readers.column_map`)
+
+    Returns
+    -------
+    Reading
+
+    Raises
+    ------
+    InputError
+        As :func:`read_recording`.
+    """
+    source = str(path)
+    if sampling_rate_hz is not None:
+        check_rate(sampling_rate_hz, source)
+    check_fill(fill_gaps_s)
+    asked = Asked(sampling_rate_hz, tuple(sorted(_checked_units(units, source).items())))
+    form, streams, are_named = _streams(path, asked, map_path)
+    named, said = _named(streams, expected, source, are_named=are_named)
+    recording, found = one_clock(named, source, fill_gaps_s=fill_gaps_s)
+    return Reading(
+        recording,
+        form,
+        {name: stream.label for name, stream in named.items()},
+        ", ".join(dict.fromkeys(stream.rate_from for stream in streams)),
+        warnings=(*said, *found),
+    )
+
+
+def _checked_units(units: Mapping[str, str] | None, source: str) -> dict[str, str]:
+    for quantity, unit in (units or {}).items():
+        if quantity not in FACTORS:
+            raise InputError(f"{source}: unit of '{quantity}'; expected {', '.join(FACTORS)}")
+        factor(quantity, unit, source)
+    return dict(units or {})
+
+
+def _streams(
+    path: str | Path, asked: Asked, map_path: str | Path | None
+) -> tuple[str, tuple[Stream, ...], bool]:
+    """Format and sensors of everything that a path names, and whether these bear our names."""
+    whole = as_path(path)
+    several = None if _is_there(whole) or is_session(whole) else _pairs(str(path))
+    if several:
+        forms: list[str] = []
+        streams: list[Stream] = []
+        for sensor, file in several:
+            file, label = _file_and_label(file)
+            form, found, _ = _streams(file, asked, map_path)
+            if label is not None:
+                found = tuple(stream for stream in found if stream.label == label)
+            if len(found) != 1:
+                raise InputError(
+                    f"{file}: {len(found)} sensors, expected one for '{sensor}'; name it as in "
+                    f"{sensor}={file}#LABEL"
+                )
+            forms.append(form)
+            streams.append(_called(found[0], sensor))
+        return ", ".join(dict.fromkeys(forms)), tuple(streams), True
+    if map_path is not None:
+        return "mapped CSV", read_mapped(read_text(whole), str(path), map_path), True
+    if not _is_there(whole):
+        if is_session(whole):
+            return (*read_session(whole, asked), False)
+        parts = _xsens_parts(whole)
+        if parts:
+            exports = {
+                name: parse_export(read_text(file), str(file)) for name, file in parts.items()
+            }
+            return "Xsens MT Manager", join_exports(exports, asked), True
+        what = "is a folder" if _is_folder(whole) else "no such file"
+        raise InputError(f"{path}: {what}, and no Xsens exports whose names begin like this")
+    if is_session(whole):
+        return (*read_session(whole, asked), False)
+    text = read_text(whole)
+    known = find_format(text, str(path))
+    return known.name, known.read(text, str(path), asked), known.names_sensors
+
+
+def _pairs(text: str) -> list[tuple[str, str]]:
+    """Sensors and files of ``lever=a.csv,body=b.csv``; empty if a text is nothing like it."""
+    parts = text.split(",")
+    found = [re.fullmatch(r"(\w+)=(.+)", part) for part in parts]
+    if not all(found) or len(parts) > MOST_SENSORS:
+        return []
+    pairs = [(match[1], match[2]) for match in found if match]
+    names = [name for name, _ in pairs]
+    if len(set(names)) < len(names):
+        raise InputError(f"{quoted(text)}: a sensor is named twice")
+    return pairs
+
+
+def _file_and_label(text: str) -> tuple[str, str | None]:
+    """File and sensor of ``session.csv#Lumbar``; a file whose own name has the mark is itself."""
+    if "#" not in text or _is_there(as_path(text)):
+        return text, None
+    file, _, label = text.rpartition("#")
+    return file, label
+
+
+def _called(stream: Stream, label: str) -> Stream:
+    return Stream(
+        stream.time_s, stream.acc_mps2, stream.gyr_radps, source=stream.source, label=label,
+        warnings=stream.warnings, rate_from=stream.rate_from, counted=stream.counted,
+    )  # fmt: skip
+
+
+def _named(
+    streams: Sequence[Stream], expected: Sequence[str], source: str, *, are_named: bool
+) -> tuple[dict[str, Stream], tuple[str, ...]]:
+    """Sensors under the names that the devices' commands know."""
+    names: list[str | None] = [s.label if are_named else _by_words(s.label) for s in streams]
+    said = []
+    if len(streams) == 1 and not are_named and len(expected) <= 1:
+        ours = expected[0] if expected else names[0] or "frame"
+        if names[0] not in (None, ours):
+            said.append(f"{source}: '{quoted(streams[0].label)}' taken as {ours}")
+        names[0] = ours
+    open_names = [name for name in expected if name not in names]
+    unnamed = [k for k, name in enumerate(names) if name is None]
+    # A scooter's two sensors, or one of them, may be taken in their order; a chair's may not.
+    if unnamed and len(unnamed) <= len(open_names) and tuple(expected) == DEVICES[1]:
+        for k, name in zip(unnamed, open_names, strict=False):
+            names[k] = name
+        if len(streams) > 1:
+            told = (f"'{quoted(streams[k].label)}' as {names[k]}" for k in unnamed)
+            said.append(f"{source}: sensors taken in their order: {', '.join(told)}")
+    elif not expected and (unnamed or len(set(names)) < len(names)):
+        # Nothing is asked of the names: the file's own will do.
+        names = [
+            re.sub(r"\W+", "_", stream.label).strip("_") or f"sensor_{k + 1}"
+            for k, stream in enumerate(streams)
+        ]
+    for k, given in enumerate(names):
+        if given is None:
+            label = streams[k].label or streams[k].source
+            raise InputError(
+                f"{source}: which sensor is '{quoted(label)}' (of "
+                f"{listed(s.label or s.source for s in streams)})? Give them as "
+                f"{','.join(f'{n}=FILE#LABEL' for n in expected)}"
+            )
+        if names.count(given) > 1:
+            both = [s.label or s.source for s, n in zip(streams, names, strict=True) if n == given]
+            raise InputError(f"{source}: two files for the {given} sensor, {listed(both)}")
+    return {str(name): stream for name, stream in zip(names, streams, strict=True)}, tuple(said)
+
+
+def _by_words(label: str) -> str | None:
+    """Sensor that a label names by one of the known words."""
+    lower = label.lower()
+    found = [name for name, words in SENSOR_WORDS.items() if any(word in lower for word in words)]
+    return found[0] if len(found) == 1 else None
 
 
 def recording_files(path: str | Path) -> list[Path]:
@@ -90,8 +274,18 @@ def recording_files(path: str | Path) -> list[Path]:
     -------
     list of Path, empty if there is no such recording
     """
-    path = as_path(path)
-    return [path] if _is_there(path) else list(_xsens_parts(path).values())
+    whole = as_path(path)
+    if is_session(whole):
+        return session_files(whole)
+    if _is_there(whole):
+        return [whole]
+    pairs = _pairs(str(path))
+    files: Iterable[Path] = (
+        [f for _, name in pairs for f in recording_files(_file_and_label(name)[0])]
+        if pairs
+        else _xsens_parts(whole).values()
+    )
+    return list(files)
 
 
 def _is_there(path: Path) -> bool:
@@ -109,163 +303,34 @@ def _is_folder(path: Path) -> bool:
         return False
 
 
-def _canonical(text: str, source: str, fill_gaps_s: float) -> Recording:
-    """``time_s``, then ``<sensor>_acc_{x,y,z}_mps2`` and ``<sensor>_gyr_{x,y,z}_radps``."""
-    table = parse_numbers(text, separator=",", source=source)
-    time_s = table.columns(["time_s"])[:, 0]
-    groups: dict[str, set[str]] = {}
-    for name in table.header:
-        if name.lower() == "time_s":
-            continue
-        match = re.fullmatch(r"(\w+?)_(acc_[xyz]_mps2|gyr_[xyz]_radps)", name)
-        if match is None:
-            raise InputError(
-                f"{source}: column {quoted(name)} is not known; expected <sensor>_acc_x_mps2 or "
-                "<sensor>_gyr_x_radps"
-            )
-        groups.setdefault(match[1], set()).add(match[2][:3])
-    sensors = {}
-    for sensor, have in groups.items():
-        acc, gyr = (
-            table.columns([f"{sensor}_{quantity}_{axis}_{unit}" for axis in AXES])
-            if quantity == "acc" or "gyr" in have
-            else None
-            for quantity, unit in (("acc", "mps2"), ("gyr", "radps"))
-        )
-        assert acc is not None
-        sensors[sensor] = Imu(acc, gyr)
-    if fill_gaps_s > 0:
-        time_s, sensors = fill_gaps(time_s, sensors, fill_gaps_s, source)
-    recording = Recording(time_s, sensors, source=source)
-    check_rate(recording.sampling_rate_hz, source, clock=True)
-    return recording
-
-
-def _wheelmove_id(text: str, source: str, sampling_rate_hz: float) -> Recording:
-    """18 columns ``Chassis_``, ``RoueGauche_``, ``RoueDroite_``; no clock."""
-    separator = ";" if ";" in text.partition("\n")[0] else ","
-    table = parse_numbers(text, separator=separator, source=source)
-    sensors = {}
-    for theirs, ours in WHEELMOVE_SENSORS.items():
-        acc, gyr = (
-            table.columns([f"{theirs}_{kind}_{axis}" for axis in "XYZ"]) for kind in ("Acc", "Gyr")
-        )
-        sensors[ours] = Imu(acc, gyr)
-    return Recording(np.arange(len(table)) / sampling_rate_hz, sensors, source=source)
-
-
-def read_xsens(
-    paths: Mapping[str, str | Path], *, sampling_rate_hz: float = 100.0, fill_gaps_s: float = 0.0
-) -> Recording:
-    """Join Xsens MT Manager text exports, one file per sensor, on the packet counter.
-
-    Samples that not all sensors have are left out at the two ends; inside they are gaps.
-
-    Parameters
-    ----------
-    paths : sensor name to file
-    sampling_rate_hz : Hz, used when the files do not state an ``Update Rate``
-    fill_gaps_s : as in :func:`read_recording`
-
-    Returns
-    -------
-    Recording
-    """
-    tables: dict[str, tuple[FloatArray, Imu]] = {}
-    rates = set()
-    source = " + ".join(Path(path).name for path in paths.values())
-    check_rate(sampling_rate_hz, source)
-    check_fill(fill_gaps_s)
-    for sensor, path in paths.items():
-        counter, imu, rate = _xsens_file(path)
-        # A sensor that starts after the counter went over has small counts throughout.
-        start = next(iter(tables.values()))[0][0] if tables else counter[0]
-        counter = counter + XSENS_COUNTER_RANGE * round((start - counter[0]) / XSENS_COUNTER_RANGE)
-        tables[sensor] = (counter, imu)
-        rates.add(sampling_rate_hz if rate is None else rate)
-    if len(rates) > 1:
-        raise InputError(f"{source}: sensors at different rates ({sorted(rates)} Hz)")
-    common = _common_counters({name: counter for name, (counter, _) in tables.items()}, source)
-    sensors = {}
-    for sensor, (counter, imu) in tables.items():
-        at = np.isin(counter, common, assume_unique=True)
-        gyr = None if imu.gyr_radps is None else imu.gyr_radps[at]
-        sensors[sensor] = Imu(imu.acc_mps2[at], gyr)
-    time_s = (common - common[0]) / rates.pop()
-    if fill_gaps_s > 0:
-        time_s, sensors = fill_gaps(time_s, sensors, fill_gaps_s, source)
-    return Recording(time_s, sensors, source=source)
-
-
 def _xsens_parts(prefix: Path) -> dict[str, Path]:
+    """Text exports whose names begin like this, by the sensor that the rest of the name tells."""
     try:
         if not prefix.parent.is_dir() or not prefix.name:
             return {}
         exports = sorted(prefix.parent.glob("*.txt"))
     except (OSError, ValueError):
         return {}
+    begin_alike = [p for p in exports if p.stem.startswith(prefix.name)]
     parts: dict[str, Path] = {}
-    for path in exports:
-        rest = path.stem[len(prefix.name) :].lower()
-        if not path.stem.startswith(prefix.name):
+    for path in begin_alike:
+        sensor = _by_words(path.stem[len(prefix.name) :])
+        if sensor is None:
             continue
-        for sensor, words in XSENS_WORDS.items():
-            if any(word in rest for word in words):
-                if sensor in parts:
-                    raise InputError(
-                        f"{prefix}: two files for the {sensor} sensor, {parts[sensor].name} and "
-                        f"{path.name}"
-                    )
-                parts[sensor] = path
+        if sensor in parts:
+            raise InputError(
+                f"{prefix}: two files for the {sensor} sensor, {parts[sensor].name} and {path.name}"
+            )
+        parts[sensor] = path
+    if not parts and len(begin_alike) == 1 and is_xsens_mt(_first_line(begin_alike[0])):
+        return {"frame": begin_alike[0]}
+    if not parts and begin_alike:
+        raise InputError(
+            f"{prefix}: {listed(p.name for p in begin_alike)} begin like this; give them as "
+            f"{','.join(f'{name}=FILE' for name in DEVICES[0])}"
+        )
     return parts
 
 
-def _xsens_file(path: str | Path) -> tuple[FloatArray, Imu, float | None]:
-    text = read_text(path)
-    comments = [line for line in text.splitlines()[:100] if line.startswith("//")]
-    # The header is the first line after the comments.
-    content = text.split("\n", len(comments))[-1]
-    table = parse_numbers(content, separator="\t", source=str(path), first_line=len(comments) + 1)
-    counter = _unwrapped(table.columns(["PacketCounter"])[:, 0], path)
-    acc = table.columns([f"Acc_{axis}" for axis in "XYZ"])
-    gyr = table.columns([f"Gyr_{axis}" for axis in "XYZ"])
-    return counter, Imu(acc, gyr), _update_rate("\n".join(comments), path)
-
-
-def _unwrapped(counter: FloatArray, path: str | Path) -> FloatArray:
-    """Packet counter that goes on where the sensor's starts again at 0, after 65535."""
-    bad = ~((counter >= 0) & (counter < LARGEST_COUNTER) & (counter == np.rint(counter)))
-    if bad.any():
-        k = int(np.argmax(bad))
-        raise InputError(f"{path}: the packet counter is {counter[k]:g} at row {k + 1}")
-    step = np.diff(counter)
-    counter = counter + XSENS_COUNTER_RANGE * np.r_[0, np.cumsum(step < -XSENS_COUNTER_RANGE / 2)]
-    step = np.diff(counter)
-    if (step <= 0).any():
-        k = int(np.argmax(step <= 0))
-        kind = "stands twice" if step[k] == 0 else "runs backwards"
-        raise InputError(f"{path}: the packet counter {kind} at row {k + 2}")
-    return counter
-
-
-def _update_rate(comments: str, path: str | Path) -> float | None:
-    """Rate in Hz that the comments state; None if there is no such line."""
-    rates = set()
-    for stated in re.findall(r"Update Rate:(.*)", comments):
-        number = re.fullmatch(r"\s*(\d+(?:[.,]\d+)?)\s*(?:Hz)?\s*", stated, re.ASCII)
-        if number is None:
-            raise InputError(f"{path}: Update Rate:{quoted(stated)}, expected a number of Hz")
-        rates.add(check_rate(float(number[1].replace(",", ".")), f"{path}: Update Rate:"))
-    if len(rates) > 1:
-        raise InputError(f"{path}: Update Rate: stands twice ({sorted(rates)} Hz)")
-    return rates.pop() if rates else None
-
-
-def _common_counters(counters: Mapping[str, FloatArray], source: str) -> FloatArray:
-    common: FloatArray | None = None
-    for counter in counters.values():
-        common = counter if common is None else np.intersect1d(common, counter, assume_unique=True)
-    if common is None or len(common) < 2:
-        spans = ", ".join(f"{name} {c[0]:g}-{c[-1]:g}" for name, c in counters.items())
-        raise InputError(f"{source}: the sensors share no packet counters ({spans})")
-    return common
+def _first_line(path: Path) -> str:
+    return read_text(path).partition("\n")[0]

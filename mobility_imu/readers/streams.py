@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_series, as_vectors
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_floats, as_series, as_vectors
 from mobility_imu.readers.table import NumberTable
 from mobility_imu.results import Result
 
@@ -23,9 +24,12 @@ class Stream(Result):
     ----------
     time_s : (n,) array, s, the sensor's own stamps
     acc_mps2 : (n, 3) array, m/s², specific force
-    gyr_radps : (n, 3) array, rad/s
+    gyr_radps : (n, 3) array, rad/s, or None without a gyroscope
     source : where it comes from; error messages begin with it
     warnings : what the reader left out or found odd
+    label : what the file calls the sensor, such as a number or a place on the body
+    rate_from : where the sampling rate comes from
+    counted : whether the times count samples, so that every step longer than one is a loss
 
     Raises
     ------
@@ -35,19 +39,27 @@ class Stream(Result):
 
     time_s: FloatArray
     acc_mps2: FloatArray
-    gyr_radps: FloatArray
+    gyr_radps: FloatArray | None
     source: str = field(default="stream", kw_only=True)
     warnings: tuple[str, ...] = field(default=(), kw_only=True)
+    label: str = field(default="", kw_only=True)
+    rate_from: str = field(default="its clock", kw_only=True)
+    counted: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check shapes and numbers."""
-        time_s = as_series(self.time_s, f"{self.source}: time")
+        # What counts samples becomes a Recording as it is, which says which value is at fault.
+        name = f"{self.source}: time_s"
+        time_s = as_floats(self.time_s, name) if self.counted else as_series(self.time_s, name)
         if not len(time_s):
             raise InputError(f"{self.source}: no usable sample")
         object.__setattr__(self, "time_s", time_s)
         for name in ("acc_mps2", "gyr_radps"):
+            given = getattr(self, name)
+            if given is None and name == "gyr_radps":
+                continue
             values = as_vectors(
-                getattr(self, name), f"{self.source}: {name}", length=len(time_s), finite=True
+                given, f"{self.source}: {name}", length=len(time_s), finite=not self.counted
             )
             object.__setattr__(self, name, values)
         super().__post_init__()
@@ -55,6 +67,127 @@ class Stream(Result):
     def __len__(self) -> int:
         """Return the number of samples."""
         return len(self.time_s)
+
+
+class Asked(NamedTuple):
+    """What the user says of a file that does not say it itself.
+
+    Parameters
+    ----------
+    sampling_rate_hz : Hz, or None
+    units : quantity ("acc", "gyr") to its unit, such as {"acc": "g"}
+    """
+
+    sampling_rate_hz: float | None = None
+    units: tuple[tuple[str, str], ...] = ()
+
+    def rate(self, source: str, what: str, hint: str = "") -> float:
+        """Sampling rate that the user gave, for a file that has no clock.
+
+        Parameters
+        ----------
+        source : the file's name, for messages
+        what : what states no rate
+        hint : where else it may be found
+
+        Returns
+        -------
+        float, Hz
+
+        Raises
+        ------
+        InputError
+            If none was given; the message asks for it.
+        """
+        if self.sampling_rate_hz is None:
+            raise InputError(
+                f"{source}: {what} states no sampling rate{hint}; give it with "
+                "--sampling-rate-hz (sampling_rate_hz in Python)"
+            )
+        return self.sampling_rate_hz
+
+    def unit(self, quantity: str) -> str | None:
+        """Unit that the user gave for a quantity; None if none was given.
+
+        Parameters
+        ----------
+        quantity : "acc" or "gyr"
+
+        Returns
+        -------
+        str, or None
+        """
+        return dict(self.units).get(quantity)
+
+
+FEWEST_TO_JUDGE = 100
+MOSTLY_HELD = 0.5
+"""More repeated samples than this: the rate of the rows is not the rate of the sensor."""
+FACTORS = {
+    "acc": {"m/s2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": STANDARD_GRAVITY_MPS2 / 1000},
+    "gyr": {"rad/s": 1.0, "deg/s": float(np.pi / 180), "mrad/s": 1e-3},
+}
+"""Units of acceleration and angular rate, and what turns them into m/s² and rad/s."""
+SPELLINGS = {
+    "m/s²": "m/s2", "m/s^2": "m/s2", "m/(s^2)": "m/s2", "m/s/s": "m/s2", "mps2": "m/s2",
+    "m.s-2": "m/s2", "ms-2": "m/s2", "milli-g": "mg", "dps": "deg/s", "°/s": "deg/s",
+    "º/s": "deg/s", "degps": "deg/s", "radps": "rad/s", "rads": "rad/s", "rad.s-1": "rad/s",
+}  # fmt: skip
+
+
+def factor(quantity: str, unit: str, source: str) -> float:
+    """What a reading is multiplied by to be in m/s² or rad/s.
+
+    Parameters
+    ----------
+    quantity : "acc" or "gyr"
+    unit : as the file or the user writes it
+    source : the file's name, for messages
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If the unit is not known.
+
+    Examples
+    --------
+    >>> factor("acc", "g", "walk.csv")
+    9.80665
+    """
+    plain = "".join(unit.split()).lower()
+    known = FACTORS[quantity]
+    name = SPELLINGS.get(plain, plain)
+    if name not in known:
+        what = "acceleration" if quantity == "acc" else "angular rate"
+        raise InputError(f"{source}: {what} in '{unit}' is not known; expected {', '.join(known)}")
+    return known[name]
+
+
+def held_warnings(time_s: FloatArray, acc_mps2: FloatArray, source: str) -> tuple[str, ...]:
+    """Whether most rows repeat the one before: a logger that writes faster than its sensor reads.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    acc_mps2 : (n, 3) array, m/s²
+    source : the file's name, for messages
+
+    Returns
+    -------
+    tuple of str, empty or with one sentence
+    """
+    held = (np.diff(acc_mps2, axis=0) == 0).all(axis=1)
+    span = float(np.ptp(time_s))
+    if len(held) < FEWEST_TO_JUDGE or span == 0 or held.mean() <= MOSTLY_HELD:
+        return ()
+    return (
+        f"{source}: {100 * held.mean():.0f} % of the samples repeat the one before; the "
+        f"accelerometer gives about {int((~held).sum()) / span:.0f} new values a second",
+    )
 
 
 def stream_in_g_and_degrees(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import codecs
 import gzip
 import io
 import re
 import stat
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -18,12 +19,15 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
 from mobility_imu.frames import FloatArray
+from mobility_imu.readers.layout import Layout, check_names, find_layout, split_row
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.results import Result
 
 _BLANKS = " \t\r\v\f"
 """What the parser of numbers passes over; a space that is not to be broken is none of them."""
 _LINE_ENDS = re.compile(r"\r\n|\r|\n")
+_CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+"""Bytes that no text has, whatever its encoding."""
 _NUMBER = re.compile(
     r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|inf|infinity|nan)", re.ASCII | re.IGNORECASE
 )
@@ -51,19 +55,55 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
         raw = _read_bytes(path, again)
         if path.suffix == ".gz":
             raw = gzip.decompress(raw)
-        text = raw.decode("utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file (byte {error.start})") from None
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise InputError(f"{path}: cannot be unpacked ({error}); is it complete?") from None
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise InputError(f"{path}: cannot be read ({why})") from None
+    return decoded(raw, str(path))
+
+
+def decoded(raw: bytes, source: str) -> str:
+    """Text of a file in UTF-8, in UTF-16 with its mark, or as Windows in Western Europe writes it.
+
+    Parameters
+    ----------
+    raw : content
+    source : the file's name, for messages
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError
+        If it is empty or not text.
+    """
+    try:
+        text = _as_text(raw)
+    except UnicodeDecodeError as error:
+        raise InputError(f"{source}: not a text file (byte {error.start})") from None
     if not text.strip():
-        raise InputError(f"{path}: the file is empty")
+        raise InputError(f"{source}: the file is empty")
     return text
+
+
+def _as_text(raw: bytes) -> str:
+    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return raw.decode("utf-16")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        if _CONTROL.search(raw):
+            raise
+        try:
+            return raw.decode("cp1252")
+        except UnicodeDecodeError:
+            pass
+        raise
 
 
 def _read_bytes(path: Path, again: bool) -> bytes:
@@ -87,11 +127,13 @@ class NumberTable(Result):
     header : names of the columns, as the file has them
     numbers : (n, columns) array; an empty cell is NaN
     source : the file's name, for messages
+    left_out : names of columns that were not read
     """
 
     header: list[str]
     numbers: FloatArray
     source: str
+    left_out: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         """Number of rows."""
@@ -123,23 +165,31 @@ class NumberTable(Result):
 
     @cached_property
     def _places(self) -> dict[str, int]:
-        places: dict[str, int] = {}
-        for k, name in enumerate(self.header):
-            if name.lower() in places:
-                raise InputError(f"{self.source}: column {quoted(name.lower())} stands twice")
-            places[name.lower()] = k
-        return places
+        check_names(self.header, self.source)
+        return {name.lower(): k for k, name in enumerate(self.header)}
 
 
-def parse_numbers(text: str, *, separator: str, source: str, first_line: int = 1) -> NumberTable:
-    """Parse a header line and rows of numbers; decimal points or, with ``;`` or tabs, commas.
+def parse_numbers(
+    text: str,
+    *,
+    source: str,
+    separator: str | None = None,
+    first_line: int = 1,
+    wanted: Callable[[str], bool] | None = None,
+) -> NumberTable:
+    """Parse a line of names and rows of numbers, in the dress of Excel, R or pandas.
+
+    Names and numbers may stand in quotation marks; an index column is left out. With ``;`` or tabs
+    as separator, numbers may have decimal commas.
 
     Parameters
     ----------
-    text : header and rows
-    separator : one character
+    text : names and rows, perhaps after a line ``sep=;``
     source : the file's name, for messages
-    first_line : line number of the header in the file, for messages
+    separator : one character, where the format fixes it; None finds it
+    first_line : line number of the text's first line in its file, for messages
+    wanted : says of a name whether its column is read; the cells of the other columns may hold
+        anything. None reads all.
 
     Returns
     -------
@@ -148,43 +198,62 @@ def parse_numbers(text: str, *, separator: str, source: str, first_line: int = 1
     Raises
     ------
     InputError
-        No rows, a row with another number of cells (a cut last line), or a cell that is no number.
+        No rows, a row with another number of cells (a cut last line), or a cell of a column that
+        is read that is no number.
     """
     import pandas as pd
 
-    header_line, _, body = text.partition("\n")
-    header = [name.strip() for name in header_line.strip("\r\n").rstrip(separator).split(separator)]
-    if not body.strip():
-        raise InputError(f"{source}: a header, but no rows of data")
-    decimal = "," if separator != "," and "," in body[:4096] else "."
-    count = len(header)
+    layout = find_layout(text, source, separator=separator, first_line=first_line)
+    names, body = layout.names, layout.body
+    begin = int(layout.indexed)
+    count = len(names) + begin
+    read = [k for k, name in enumerate(names) if wanted is None or wanted(name)]
+    kept = set(read)
+    left_out = tuple(name for k, name in enumerate(names) if k not in kept)
+    columns = [k + begin for k in read]
+    floats = set(columns)
+    all_read = len(floats) == count
     values = None
     # The parser takes the table's width from the first row, and drops cells beyond it; some
     # versions drop what follows a NUL, too.
-    if _first_row(body).count(separator) <= count and "\0" not in body:
+    if _first_row(body).count(layout.separator) <= count and "\0" not in body:
         try:
             frame = pd.read_csv(
                 io.StringIO(body),
-                sep=separator,
+                sep=layout.separator,
                 header=None,
                 # One more than the header has: there a row with a cell too many shows itself.
                 names=list(range(count + 1)),
                 index_col=False,
-                decimal=decimal,
-                dtype=np.float64,
-                skipinitialspace=True,
+                decimal=layout.decimal,
+                dtype=np.float64 if all_read else {k: str for k in range(count) if k not in floats},
+                skipinitialspace=layout.separator != " ",
                 **_exact(pd.__version__),
             )
         except (ValueError, OverflowError, pd.errors.ParserError):
             pass
         else:
-            values = frame.to_numpy()
+            # A last row whose last cell of text is missing may have been cut.
+            if all_read:
+                values = frame.to_numpy()
+            elif count - 1 in floats or frame[count - 1].notna().iloc[-1]:
+                values = _as_numbers(frame[[*columns, count]])
     if values is None or np.isnan(values[:, :-1]).any() or not np.isnan(values[:, -1]).all():
         # Slow and thorough, only when something is wrong: name the line and the column.
-        _check_cells(body, header, separator, decimal, source, first_line + 1)
+        _check_cells(layout, columns, source)
     if values is None:
-        raise InputError(f"{source}: cannot be read as a table of numbers")
-    return NumberTable(header, values[:, :-1], source)
+        values = _read_slowly(layout, columns, source)
+    return NumberTable(
+        [names[k] for k in read], values[:, : len(columns)], source, left_out=left_out
+    )
+
+
+def _as_numbers(frame: Any) -> FloatArray | None:
+    """Columns as numbers; None if one holds text."""
+    try:
+        return np.asarray(frame.to_numpy(dtype=float))
+    except (ValueError, TypeError, OverflowError):
+        return None
 
 
 def _exact(version: str) -> dict[str, Any]:
@@ -199,31 +268,56 @@ def _first_row(body: str) -> str:
     return body[start : end.start() if end else len(body)]
 
 
-def _check_cells(
-    body: str, header: Sequence[str], separator: str, decimal: str, source: str, line: int
-) -> None:
-    """Raise an error for the first line with another number of cells, or with a cell of text."""
-    for number, row in enumerate(_LINE_ENDS.split(body), start=line):
+def _rows(layout: Layout) -> Iterator[tuple[int, list[str]]]:
+    """Line number and cells of each row; an empty cell may be left over at its end."""
+    count = len(layout.names) + int(layout.indexed)
+    for number, row in enumerate(_LINE_ENDS.split(layout.body), start=layout.line + 1):
         if not row.strip():
             continue
-        cells = row.split(separator)
-        if len(cells) == len(header) + 1 and not cells[-1].strip():
+        cells = split_row(row, layout.separator)
+        if len(cells) == count + 1 and not cells[-1].strip():
             cells.pop()
-        if len(cells) != len(header):
+        yield number, cells
+
+
+def _check_cells(layout: Layout, columns: Sequence[int], source: str) -> None:
+    """Raise an error for the first line with another number of cells, or with a cell of text."""
+    begin = int(layout.indexed)
+    count = len(layout.names) + begin
+    for number, cells in _rows(layout):
+        if len(cells) != count:
             guess = ""
-            if len(cells) < len(header):
+            if len(cells) < count:
                 guess = "; was the file cut short?"
-            elif separator == ",":
+            elif layout.separator == "," and _pairs_up(cells, count):
                 guess = "; decimal commas?"
-            raise InputError(
-                f"{source}: line {number} has {len(cells)} of {len(header)} cells{guess}"
-            )
-        for name, cell in zip(header, cells, strict=True):
-            if not _is_number(cell, decimal):
+            raise InputError(f"{source}: line {number} has {len(cells)} of {count} cells{guess}")
+        for k in columns:
+            if not _is_number(cells[k], layout.decimal):
                 raise InputError(
-                    f"{source}: line {number}, column {quoted(name)}: '{quoted(cell)}' is not a "
-                    "number" + (" with a decimal comma" if decimal == "," else "")
+                    f"{source}: line {number}, column {quoted(layout.names[k - begin])}: "
+                    f"'{quoted(cells[k])}' is not a number"
+                    + (" with a decimal comma" if layout.decimal == "," else "")
                 )
+
+
+def _pairs_up(cells: Sequence[str], count: int) -> bool:
+    """Whether the cells can be numbers cut in two at their decimal commas."""
+    fractions = sum(re.fullmatch(r"\s*\d+\s*", cell, re.ASCII) is not None for cell in cells)
+    return fractions >= len(cells) - count
+
+
+def _read_slowly(layout: Layout, columns: Sequence[int], source: str) -> FloatArray:
+    """Numbers cell by cell, for tables whose cells are right but which the parser refuses."""
+    rows = [[_number(cells[k], layout.decimal) for k in columns] for _, cells in _rows(layout)]
+    if not rows:
+        raise InputError(f"{source}: cannot be read as a table of numbers")
+    return np.array(rows, float).reshape(len(rows), len(columns))
+
+
+def _number(cell: str, decimal: str) -> float:
+    text = cell.strip(_BLANKS).strip('"').strip(_BLANKS).replace(decimal, ".")
+    return float(text) if text else float("nan")
 
 
 def _is_number(cell: str, decimal: str) -> bool:

@@ -1,13 +1,16 @@
-"""Xsens (Movella) DOT: the app's offline recordings, ``sep=,`` and then named columns."""
+"""Xsens (Movella) DOT: recordings of the app and of the PC software, named columns after a head."""
 
 from __future__ import annotations
+
+import re
 
 import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.streams import Stream
+from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import parse_numbers
+from mobility_imu.readers.wording import listed
 
 ACCELEROMETER = [f"Acc_{axis}" for axis in "XYZ"]
 GYROSCOPE = [f"Gyr_{axis}" for axis in "XYZ"]
@@ -16,9 +19,27 @@ CLOCK_RANGE = 2**32
 LARGEST_ACC_MPS2, LARGEST_GYR_DEGPS = 200.0, 2300.0
 """More than the sensor's ranges (16 g, 2000 deg/s); such a number is a damaged row."""
 MOST_HEADER_LINES = 30
+LARGEST_TICK_STEP = 1000.0
 
 
-def parse_xsens_dot(text: str, source: str) -> Stream:
+def is_xsens_dot(line: str) -> bool:
+    """Whether a file begins like a DOT recording of the app or of the PC software.
+
+    Parameters
+    ----------
+    line : its first line, after ``sep=``
+
+    Returns
+    -------
+    bool
+    """
+    return (
+        re.match(r'"?(DeviceTag|FirmwareVersion|(PacketCounter,)?SampleTimeFine,)', line)
+        is not None
+    )
+
+
+def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     """Stream of an offline recording with acceleration (m/s²) and angular rate (deg/s).
 
     Rows of zeros at the beginning, before the sensor's first sample, are left out, and so are
@@ -28,10 +49,11 @@ def parse_xsens_dot(text: str, source: str) -> Stream:
     ----------
     text : content of the file
     source : the file's name, for messages
+    asked : not used, for the clock and the units are the sensor's
 
     Returns
     -------
-    Stream; its time is the sensor's own clock, which starts at an arbitrary moment
+    tuple of one Stream; its time is the sensor's own clock, which starts at an arbitrary moment
 
     Raises
     ------
@@ -42,9 +64,18 @@ def parse_xsens_dot(text: str, source: str) -> Stream:
     head = next((k for k, line in enumerate(lines) if "SampleTimeFine" in line), None)
     if head is None:
         raise InputError(f"{source}: no line of names with SampleTimeFine; is it a DOT recording?")
+    names = [name.strip() for name in lines[head].split(",")]
+    missing = [name for name in [*ACCELEROMETER, *GYROSCOPE] if name not in names]
+    if missing:
+        raise InputError(
+            f"{source}: no column {listed(missing)} (it has: {listed(names)}); record "
+            "'Rate quantities' or 'Custom' with acceleration and angular velocity: FreeAcc has no "
+            "gravity"
+        )
     table = parse_numbers(
-        "\n".join(lines[head:]), separator=",", source=source, first_line=head + 1
-    )
+        "\n".join(lines[head:]), separator=",", source=source, first_line=head + 1,
+        wanted={"SampleTimeFine", *ACCELEROMETER, *GYROSCOPE}.__contains__,
+    )  # fmt: skip
     values = table.columns([*ACCELEROMETER, *GYROSCOPE])
     # Written before the sensor's first sample.
     begin = int(np.argmax((values != 0).any(axis=1)))
@@ -60,16 +91,24 @@ def parse_xsens_dot(text: str, source: str) -> Stream:
         said.append(f"{source}: {begin} row(s) of zeros at the beginning left out")
     if damaged:
         said.append(f"{source}: {damaged} damaged row(s) left out")
-    return Stream(
-        _seconds(table.columns(["SampleTimeFine"])[sound, 0]),
-        acc[sound],
-        np.deg2rad(gyr[sound]),
-        source=source,
-        warnings=tuple(said),
+    return (
+        Stream(
+            _seconds(table.columns(["SampleTimeFine"])[sound, 0]),
+            acc[sound],
+            np.deg2rad(gyr[sound]),
+            source=source,
+            warnings=tuple(said),
+        ),
     )
 
 
 def _seconds(count: FloatArray) -> FloatArray:
-    """Sensor's clock in s; it goes on where the counter starts again."""
+    """Sensor's clock in s; it goes on where the counter starts again.
+
+    The app counts microseconds, the PC software tenths of a millisecond. A DOT gives 1 to 120
+    samples a second, so a usual step below 1,000 can only be the latter.
+    """
     wraps = np.cumsum(np.diff(count, prepend=count[:1]) < -CLOCK_RANGE / 2)
-    return (count + CLOCK_RANGE * wraps) * 1e-6
+    whole = count + CLOCK_RANGE * wraps
+    step = float(np.median(np.diff(whole))) if len(whole) > 1 else LARGEST_TICK_STEP
+    return whole * (1e-4 if step < LARGEST_TICK_STEP else 1e-6)

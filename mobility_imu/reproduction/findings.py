@@ -48,7 +48,7 @@ class Evidence(NamedTuple):
     what : the quantity, in words
     first_from, first : what it is from (the print, or one reading), and the number
     second_from, second : the same for the corrected form, the other passage or reading
-    truth : what it has to be, NaN if nobody knows
+    truth : what it has to be, NaN if unknown
     tolerance : differences up to this do not count
     unit : of all numbers
     relation : claimed of the first to the second where the truth is not known

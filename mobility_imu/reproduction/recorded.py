@@ -59,6 +59,12 @@ STUDIES: dict[str, Study] = {
         "1; each ride's seed is made from scooter, course, driver and run",
         ("scooter_table1.csv",),
     ),
+    "scooter_table1_controls": Study(
+        "mobility_imu.reproduction.scooter.table1_controls",
+        "shuffle_record",
+        "1, of the shuffled tables and of the fits' starting points",
+        ("scooter_table1.csv",),
+    ),
     "real_two_hinges": Study(
         "mobility_imu.reproduction.scooter.real_hinges_record",
         "two_hinges_record",

@@ -3,7 +3,7 @@
 Where a reading fits eq. 5 exactly, the least-squares angles move with the lever's reading f and
 the prediction p = Rᵀ b by ``d angles = H⁺ (df - dp)``, with H the 3x2 derivative of p by the
 angles. All below is this one line, with df or dp for a bias, a turned IMU, a wrong inclination or
-a slope that nobody knows of. Every row carries 1 / K2: where the steering cannot be observed,
+an unknown slope. Every row carries 1 / K2: where the steering cannot be observed,
 nothing is small any more.
 
 Angles and body acceleration are the *estimate's*: for a single IMU the level gravity it believes

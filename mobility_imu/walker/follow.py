@@ -129,7 +129,7 @@ def _offset(
     """Offset of the gyroscope to be taken off, rad/s; zeros if the filter can do without.
 
     The filter learns a small one in the first rest, or assumes one of a stated size. What the rests
-    do not show beyond doubt is no offset.
+    do not show with certainty counts as no offset.
     """
     found = rest_offsets(recording, ("frame",)).get("frame")
     if found is None:

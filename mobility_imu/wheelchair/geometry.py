@@ -15,7 +15,7 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.files import write_text
 from mobility_imu.frames import FloatArray, as_number, one_of
-from mobility_imu.readers.geometry import read_section
+from mobility_imu.readers.geometry import find_table, read_section
 
 __all__ = [
     "DOCUMENT_TO_CHAIR",
@@ -150,7 +150,8 @@ class WheelchairGeometry:
         low, high = np.rad2deg([SMALLEST_CAMBER_RAD, LARGEST_CAMBER_RAD])
         if 0 < abs(camber_deg) < LARGEST_CAMBER_RAD:
             raise InputError(
-                f"camber_deg = {camber_deg:g}: no camber is that small; is it in radians?"
+                f"camber_deg = {camber_deg:g}: may be in radians; in a file, write camber_rad = "
+                f"{camber_deg:g} if it is, camber_rad = {np.deg2rad(camber_deg):.4g} if not"
             )
         if not low - 1e-9 <= camber_deg <= high + 1e-9:  # as a file rounds them
             raise InputError(
@@ -202,7 +203,7 @@ class WheelchairGeometry:
 
         Parameters
         ----------
-        path : TOML file
+        path : TOML file with the camber as camber_deg or as camber_rad
 
         Returns
         -------
@@ -214,10 +215,12 @@ class WheelchairGeometry:
             If there is no such file or section, a key is missing or unknown, or a value is
             impossible; the message names the file.
         """
-        keys = ("camber_deg", "wheel_radius_left_m", "wheel_radius_right_m", "track_m")
+        in_radians = "camber_rad" in (find_table(path, "wheelchair") or {})
+        camber = "camber_rad" if in_radians else "camber_deg"
+        keys = (camber, "wheel_radius_left_m", "wheel_radius_right_m", "track_m")
         values = read_section(path, "wheelchair", keys)
         try:
-            return cls.from_degrees(values.pop("camber_deg"), **values)
+            return cls(**values) if in_radians else cls.from_degrees(**values)
         except InputError as error:
             raise InputError(f"{path}, [wheelchair]: {error}") from None
 
@@ -234,9 +237,11 @@ class WheelchairGeometry:
         """
         # Twelve digits: radians and back leave the last ones of 19 degrees wrong.
         camber_deg = float(f"{np.rad2deg(self.camber_rad):.12g}")
+        ambiguous = 0 < abs(camber_deg) < LARGEST_CAMBER_RAD
+        camber = f"camber_rad = {self.camber_rad}" if ambiguous else f"camber_deg = {camber_deg}"
         text = (
             "[wheelchair]\n"
-            f"camber_deg = {camber_deg}\n"
+            f"{camber}\n"
             f"wheel_radius_left_m = {self.wheel_radius_left_m}\n"
             f"wheel_radius_right_m = {self.wheel_radius_right_m}\n"
             f"track_m = {self.track_m}\n"

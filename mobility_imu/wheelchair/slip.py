@@ -118,6 +118,10 @@ def wheel_speeds(
     return WheelSpeeds(velocity - half, velocity + half)
 
 
+MOSTLY_AT_ODDS = 0.5
+"""More slip than this part of the turning time is none: something is wrong with a sensor."""
+
+
 @dataclass(frozen=True)
 class SlipSettings:
     """When a disagreement counts as slip; the tool's frames at 100 Hz, in seconds.
@@ -213,6 +217,38 @@ class SlipWindows(Result):
         np.add.at(edge, self.first, 1)
         np.add.at(edge, self.last + 1, -1)
         return np.cumsum(edge[:-1]) > 0
+
+
+def at_odds(
+    slip: ArrayLike,
+    wheel_yaw_rate_radps: ArrayLike,
+    yaw_rate_radps: ArrayLike,
+    settings: SlipSettings,
+    source: str,
+) -> tuple[str, ...]:
+    """Warning where wheels and frame disagree too long for any slip.
+
+    Parameters
+    ----------
+    slip : (n,) bool array
+    wheel_yaw_rate_radps, yaw_rate_radps : (n,) arrays, rad/s, of the wheels and of the frame
+    settings : SlipSettings
+    source : the first words of the message
+
+    Returns
+    -------
+    tuple of str, empty or with one sentence
+    """
+    flags = np.asarray(slip, bool)
+    turning = np.abs(np.asarray(wheel_yaw_rate_radps)) + np.abs(np.asarray(yaw_rate_radps))
+    moving = turning > settings.threshold_radps
+    part = float(flags[moving].mean()) if moving.any() else 0.0
+    if part <= MOSTLY_AT_ODDS:
+        return ()
+    return (
+        f"{source}: wheels and frame disagree in {100 * part:.0f} % of the time in which one of "
+        "them turns; no wheel slips so long: is a sensor dead, late, exchanged or turned?",
+    )
 
 
 def detect_slip(

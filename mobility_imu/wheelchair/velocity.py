@@ -38,6 +38,7 @@ from mobility_imu.wheelchair.series import alike
 from mobility_imu.wheelchair.slip import (
     SlipMethod,
     SlipSettings,
+    at_odds,
     correct_slip,
     detect_slip,
     wheel_speeds,
@@ -122,7 +123,7 @@ def linear_velocity(
 ) -> FloatArray:
     """Chair's forward velocity from both wheels (eq. 1.17, forward spin positive on both sides).
 
-    The print subtracts the right wheel: in its Figure 1 the wheels' axes point outward, and the
+    The document subtracts the right wheel: in its Figure 1 the wheels' axes point outward, and the
     right wheel then turns negatively. Here forward is positive on both sides, so they are added.
 
     Parameters
@@ -149,7 +150,7 @@ def wheel_yaw_rate(
 ) -> FloatArray:
     """Chair's yaw rate from both wheels (eq. 1.18, left turn positive).
 
-    The print adds the wheels. With the outward axes of its Figure 1 that is positive in turns to
+    The document adds the wheels. With the outward axes of its Figure 1 that is positive in turns to
     the right, against the arrow in the figure.
 
     Parameters
@@ -479,6 +480,8 @@ def _one_recording(
             "frame, slip cannot be seen",
             *warnings,
         )
+    odds = at_odds(slip, wheel_yaw, yaw_rate, settings.slip, recording.source)
+    warnings = (*odds, *warnings)
     return ChairVelocity(
         time_s=recording.time_s,
         linear_velocity_mps=as_series(velocity, f"{recording.source}: linear velocity"),
@@ -528,7 +531,7 @@ def _from_two_wheels(
             wheel_spin_rate_printed(rates[f"{side}_wheel"], geometry.camber_rad, side=side)
             for side in SIDES
         )
-    # The printed document pairs its spin with the wheel-centre distance.
+    # The document pairs its spin with the wheel-centre distance.
     distance = geometry.track_m if corrected else geometry.wheel_centre_distance_m
     velocity = linear_velocity(left, right, geometry)
     wheel_yaw = wheel_yaw_rate(left, right, geometry, distance_m=distance)

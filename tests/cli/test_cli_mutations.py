@@ -145,7 +145,7 @@ CASES = (
     (velocity("court.csv.gz", "o.csv", **CHAIR), ("court.csv.gz", *CHAIR.values())),
     (CHECK, ("court.csv.gz", "straight.csv.gz", "chair.toml")),
     (velocity("Trial", "o.csv", **CHAIR), ("Trial-Frame.txt", "Trial-Left.txt", "Trial-Right.txt")),
-    (velocity("w.csv", "o.csv", **CHAIR), ("w.csv",)),
+    ([*velocity("w.csv", "o.csv", **CHAIR), "--sampling-rate-hz", "100"], ("w.csv",)),
     (["wheelchair", "tasks", "french.csv", "-o", "t.csv"], ("french.csv",)),
     (TASKS, ("v.csv", "s.json", "s.json")),
     ([*trajectory(**FRAME), "--steps", "s.csv"], ("walk.csv.gz", "frame.toml", "frame.toml")),

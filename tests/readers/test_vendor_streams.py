@@ -10,15 +10,15 @@ from scipy.io import savemat
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
-from mobility_imu.readers.androsensor import parse_androsensor
+from mobility_imu.readers.androsensor import read_androsensor
 from mobility_imu.readers.clocks import join_streams
-from mobility_imu.readers.json_samples import parse_json_samples
+from mobility_imu.readers.json_samples import read_json_samples
 from mobility_imu.readers.matlab import parse_matlab
 from mobility_imu.readers.optitrack import parse_optitrack
 from mobility_imu.readers.segments import parse_segments
-from mobility_imu.readers.streams import Stream
-from mobility_imu.readers.xio import parse_ngimu, parse_ximu3
-from mobility_imu.readers.xsens_dot import parse_xsens_dot
+from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.xio import read_xio
+from mobility_imu.readers.xsens_dot import read_xsens_dot
 
 G = STANDARD_GRAVITY_MPS2
 XIO_AXES = ",".join(
@@ -97,12 +97,12 @@ class TestJoinStreams:
 
 class TestXio:
     @pytest.mark.parametrize(
-        ("parse", "name", "unit"),
-        [(parse_ngimu, "Time (s)", 1), (parse_ximu3, "Timestamp (us)", 1e6)],
+        ("name", "unit"),
+        [("Time (s)", 1), ("Timestamp (us)", 1e6)],
     )
-    def test_units(self, parse, name, unit):
+    def test_units(self, name, unit):
         rows = f"{name},{XIO_AXES}\n{0.5 * unit},180,0,-90,0,0,1\n{0.52 * unit},0,0,0,0.5,0,1\n"
-        found = parse(rows, "a.csv")
+        (found,) = read_xio(rows, "a.csv", Asked())
         np.testing.assert_allclose(found.time_s, [0.5, 0.52])
         np.testing.assert_allclose(found.gyr_radps[0], [np.pi, 0, -np.pi / 2])
         np.testing.assert_allclose(found.acc_mps2, [[0, 0, G], [G / 2, 0, G]])
@@ -111,7 +111,7 @@ class TestXio:
         with pytest.raises(
             InputError, match=r"linear.csv: no column Gyroscope X \(deg/s\)|Acceler"
         ):
-            parse_ngimu("Time (s),X (g),Y (g),Z (g)\n0,0,0,0\n", "linear.csv")
+            read_xio("Time (s),X (g),Y (g),Z (g)\n0,0,0,0\n", "linear.csv", Asked())
 
 
 ROW = {"acc_x": 0, "acc_y": 1, "acc_z": 0, "gy_x": 90, "gy_y": 0, "gy_z": 0}
@@ -120,7 +120,7 @@ ROW = {"acc_x": 0, "acc_y": 1, "acc_z": 0, "gy_x": 90, "gy_y": 0, "gy_z": 0}
 class TestJsonSamples:
     def test_numbers_may_be_text(self):
         rows = [ROW | {"timestamp": "1680000000.25"}, ROW | {"timestamp": 1680000000.5}]
-        found = parse_json_samples(json.dumps(rows), "a.json")
+        (found,) = read_json_samples(json.dumps(rows), "a.json", Asked())
         np.testing.assert_allclose(np.diff(found.time_s), 0.25)
         np.testing.assert_allclose(found.acc_mps2[0], [0, G, 0])
         np.testing.assert_allclose(found.gyr_radps[0], [np.pi / 2, 0, 0])
@@ -140,7 +140,7 @@ class TestJsonSamples:
     )
     def test_what_is_no_such_array(self, text, says):
         with pytest.raises(InputError, match=f"a.json: .*{says}"):
-            parse_json_samples(text, "a.json")
+            read_json_samples(text, "a.json", Asked())
 
 
 class TestXsensDot:
@@ -159,7 +159,7 @@ class TestXsensDot:
             (4, 34332, 0, 0, "inf", 9.8, 0, 0, 0),
             (5, 42665, 0, 0, 0, 9.7, 0, 90, 0),
         ]
-        found = parse_xsens_dot(self.text(rows), "CAR.csv")
+        (found,) = read_xsens_dot(self.text(rows), "CAR.csv", Asked())
         np.testing.assert_allclose(found.time_s, [0.009333, 0.042665])
         np.testing.assert_allclose(found.gyr_radps, [[np.pi, 0, 0], [0, np.pi / 2, 0]])
         assert found.warnings == (
@@ -169,7 +169,7 @@ class TestXsensDot:
 
     def test_the_clock_goes_on_where_it_starts_again(self):
         rows = [(k, (2**32 - 5000 + 8333 * k) % 2**32, 0, 0, 0, 9.8, 1, 0, 0) for k in range(4)]
-        found = parse_xsens_dot(self.text(rows, "DeviceTag:,a\n\n"), "a")
+        (found,) = read_xsens_dot(self.text(rows, "DeviceTag:,a\n\n"), "a", Asked())
         np.testing.assert_allclose(np.diff(found.time_s), 0.008333, rtol=1e-6)
         assert found.warnings == ()
 
@@ -183,7 +183,7 @@ class TestXsensDot:
     )
     def test_what_is_no_such_recording(self, text, says):
         with pytest.raises(InputError, match=says):
-            parse_xsens_dot(text, "a.csv")
+            read_xsens_dot(text, "a.csv", Asked())
 
 
 class TestAndrosensor:
@@ -206,7 +206,7 @@ class TestAndrosensor:
     @pytest.mark.parametrize("colon", [":", "_", "."])
     def test_one_clock_for_several_modules(self, unit, colon):
         """Elapsed time in s or ms, put on the wall clock."""
-        found = parse_androsensor(self.text(unit, colon), "a.csv")
+        (found,) = read_androsensor(self.text(unit, colon), "a.csv", Asked())
         begin = (15 * 60 + 8) * 60 + 57.2
         np.testing.assert_allclose(found.time_s, begin + 0.005 * np.arange(200), atol=1e-9)
         np.testing.assert_array_equal(found.acc_mps2[5], [0, 0, 9.8])  # not the linear one
@@ -222,11 +222,11 @@ class TestAndrosensor:
     )
     def test_what_is_missing_or_no_number(self, change, says):
         with pytest.raises(InputError, match=says):
-            parse_androsensor(self.text().replace(*change, 1), "a.csv")
+            read_androsensor(self.text().replace(*change, 1), "a.csv", Asked())
 
     def test_clocks_that_do_not_agree(self):
         with pytest.raises(InputError, match="the wall clock over"):
-            parse_androsensor(self.text(unit=7.0), "a.csv")
+            read_androsensor(self.text(unit=7.0), "a.csv", Asked())
 
 
 class TestOptitrack:

@@ -58,10 +58,19 @@ def test_impossible_chairs_are_refused_with_the_value_and_a_guess(change, messag
 
 
 def test_camber_given_in_radians_where_degrees_are_asked_is_refused():
-    with pytest.raises(InputError, match="radians"):
+    with pytest.raises(InputError, match=r"radians.*camber_rad = 0\.33 if it is.*0\.00576 if not"):
         WheelchairGeometry.from_degrees(
             0.33, wheel_radius_left_m=0.3, wheel_radius_right_m=0.3, track_m=0.8
         )
+
+
+@pytest.mark.parametrize("camber_rad", [0.0, 1e-6, 0.005, -0.0105, 0.02, 0.33])
+def test_every_camber_comes_back_from_its_file(tmp_path, camber_rad):
+    """Also one below 0.6 degrees, which in degrees would look like an angle in radians."""
+    chair = replace(SAMPLE_CHAIR, camber_rad=camber_rad)
+    chair.to_toml(tmp_path / "geometry.toml")
+    read = WheelchairGeometry.from_toml(tmp_path / "geometry.toml")
+    assert read.camber_rad == pytest.approx(camber_rad, rel=1e-11, abs=0)
 
 
 def test_roll_out_length_gives_the_same_chair_as_the_radius():
@@ -102,6 +111,8 @@ def test_geometry_file(tmp_path):
         (WHEELCHAIR_TOML.replace("0.84", '"0.84"'), "track_m = '0.84': expected a number"),
         (WHEELCHAIR_TOML.replace("0.84", "84"), r"\[wheelchair\].*track_m = 84"),
         (WHEELCHAIR_TOML.replace("0.84", "0,84"), "not valid TOML"),
+        (WHEELCHAIR_TOML + "camber_rad = 0.1\n", "camber_deg is unknown"),
+        (WHEELCHAIR_TOML.replace("camber_deg", "camber_rad"), r"\[wheelchair\].*camber_rad = 19"),
         ("[scooter]\n", r"no section \[wheelchair\]"),
         ("", "empty"),
     ],

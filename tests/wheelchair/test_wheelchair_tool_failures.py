@@ -105,7 +105,7 @@ def test_decimal_commas_in_the_first_step(tmp_path):
     row = ";".join(["0,10", "0,20", "9,80", "0,01", "0,02", "0,03"] * 3)
     path = tmp_path / "trial.csv"
     path.write_text("\n".join([";".join(names), row, row, row]) + "\n")
-    acc = read_recording(path).sensors["right_wheel"].acc_mps2
+    acc = read_recording(path, sampling_rate_hz=100).sensors["right_wheel"].acc_mps2
     assert acc[0].tolist() == [0.1, 0.2, 9.8]
 
 

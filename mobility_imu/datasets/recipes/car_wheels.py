@@ -13,8 +13,9 @@ from mobility_imu.datasets.series import longest_run, low_pass
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.clocks import join_streams
+from mobility_imu.readers.streams import Asked
 from mobility_imu.readers.table import parse_numbers
-from mobility_imu.readers.xsens_dot import parse_xsens_dot
+from mobility_imu.readers.xsens_dot import read_xsens_dot
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 
@@ -73,7 +74,9 @@ def convert(files: Files, out: Output) -> Note:
         if missing:
             raise InputError(f"{trial}: the origin has no {', '.join(missing)}")
         streams = {
-            place: parse_xsens_dot(decoded(files, paths[trial, name], trial), f"{trial}, {place}")
+            place: read_xsens_dot(
+                decoded(files, paths[trial, name], trial), f"{trial}, {place}", Asked()
+            )[0]
             for place, name in PLACES.items()
         }
         recording, said = join_streams(streams, RATE_HZ, offsets_s=OFFSETS_S, source=trial)

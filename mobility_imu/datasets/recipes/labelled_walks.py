@@ -9,8 +9,8 @@ import numpy as np
 from mobility_imu.datasets.files import Files, Note, Output, decoded
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
-from mobility_imu.readers.json_samples import parse_json_samples
-from mobility_imu.readers.streams import Stream
+from mobility_imu.readers.json_samples import read_json_samples
+from mobility_imu.readers.streams import Asked, Stream
 
 FOLDER = "python/manually_cut_data/"
 WALK = re.compile(re.escape(FOLDER) + r"walker_steps/step_cluster_(\d+)\.json")
@@ -38,13 +38,13 @@ def convert(files: Files, out: Output) -> Note:
         (stream.time_s[0], stream.time_s[-1])
         for name in names
         if STEP.fullmatch(name)
-        for stream in [parse_json_samples(decoded(files, name, name), name)]
+        for stream in read_json_samples(decoded(files, name, name), name, Asked())
     ]
     labels: list[tuple[str, float, float]] = []
     rest = []
     for number, path in sorted(walks.items()):
         label = f"walk_{number:02d}"
-        stream = parse_json_samples(decoded(files, path, path), label)
+        stream = read_json_samples(decoded(files, path, path), label, Asked())[0]
         begin = stream.time_s[0]
         labels += _steps_of(label, stream.time_s, windows)
         # Stamps are s since 1970, which a float keeps to a quarter of a microsecond only.

@@ -19,7 +19,8 @@ from mobility_imu.datasets.recipes.mocap_chair_fit import (
 from mobility_imu.errors import InputError
 from mobility_imu.readers.clocks import join_streams
 from mobility_imu.readers.optitrack import parse_optitrack
-from mobility_imu.readers.xio import parse_ximu3
+from mobility_imu.readers.streams import Asked
+from mobility_imu.readers.xio import read_xio
 from mobility_imu.recording import Recording
 
 TASK = r"(figure8|intermittentsprint|slalom|straightpush|uturn)[^_/]*_(ls|hs)"
@@ -160,7 +161,9 @@ class _Origin:
         if any(place not in paths for place in PLACES.values()):
             raise InputError(f"{label}: a sensor has no file")
         streams = {
-            sensor: parse_ximu3(decoded(self.files, paths[place], label), f"{label}, {sensor}")
+            sensor: read_xio(
+                decoded(self.files, paths[place], label), f"{label}, {sensor}", Asked()
+            )[0]
             for sensor, place in PLACES.items()
         }
         return join_streams(streams, RATE_HZ, source=label)

@@ -6,8 +6,9 @@ import re
 
 from mobility_imu.datasets.files import Files, Note, Output, decoded
 from mobility_imu.errors import InputError
-from mobility_imu.readers.androsensor import parse_androsensor
+from mobility_imu.readers.androsensor import read_androsensor
 from mobility_imu.readers.clocks import join_streams
+from mobility_imu.readers.streams import Asked
 
 FOLDER = "imu_data/set_full/"
 DRIVE = re.compile(
@@ -62,7 +63,7 @@ def convert(files: Files, out: Output) -> Note:
             note.left_out.append(f"{label}: not all three modules have a file.")
             continue
         streams = {
-            sensor: parse_androsensor(decoded(files, path, path), f"{label}, {sensor}")
+            sensor: read_androsensor(decoded(files, path, path), f"{label}, {sensor}", Asked())[0]
             for sensor, path in paths.items()
         }
         recording, said = join_streams(streams, RATE_HZ, source=label)

@@ -10,7 +10,8 @@ from mobility_imu.datasets.files import Files, Note, Output, decoded
 from mobility_imu.datasets.series import longest_run
 from mobility_imu.errors import InputError
 from mobility_imu.readers.clocks import join_streams
-from mobility_imu.readers.xio import parse_ngimu
+from mobility_imu.readers.streams import Asked
+from mobility_imu.readers.xio import read_xio
 from mobility_imu.recording import Recording
 
 FILE = re.compile(
@@ -45,7 +46,7 @@ def convert(files: Files, out: Output) -> Note:
     if len(paths) < len(PLACES):
         raise InputError(f"the origin has {len(paths)} of three sensors of the session")
     streams = {
-        sensor: parse_ngimu(decoded(files, paths[sensor], sensor), f"coast, {sensor}")
+        sensor: read_xio(decoded(files, paths[sensor], sensor), f"coast, {sensor}", Asked())[0]
         for sensor in PLACES.values()
     }
     recording, said = join_streams(streams, RATE_HZ, source="coast")

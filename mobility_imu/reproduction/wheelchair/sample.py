@@ -32,6 +32,8 @@ TRIAL_FILES = tuple(
     f"1 - For Data Preprocessing/{name}.csv" for name in ("Static", "StraightLine", "Propulsion")
 )
 SHIPPED_VELOCITIES = "2 - For Task Indentification/Propulsion_preprocessed.csv"  # codespell:ignore
+SAMPLE_RATE_HZ = 100.0
+"""As the sample's ``Properties.txt`` states it."""
 SAMPLE_FILES = (*TRIAL_FILES, SHIPPED_VELOCITIES)
 """What is read of the sample, by name in its folder."""
 
@@ -150,7 +152,9 @@ def load_sample(folder: Path) -> Sample:
     -------
     Sample
     """
-    static, straight, trial = (read_recording(folder / name) for name in TRIAL_FILES)
+    static, straight, trial = (
+        read_recording(folder / name, sampling_rate_hz=SAMPLE_RATE_HZ) for name in TRIAL_FILES
+    )
     calibration = calibrate_mount(static, straight, take_off_offsets=False)
     return Sample(static, straight, trial, calibration)
 

@@ -1,0 +1,99 @@
+"""How commands read recordings: with what the user says of files that do not say it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mobility_imu.cli.messages import warn
+from mobility_imu.errors import InputError
+
+if TYPE_CHECKING:
+    from mobility_imu.recording import Recording
+
+SENSORS = {
+    "scooter": ("lever", "body"),
+    "wheelchair": ("frame", "left_wheel", "right_wheel"),
+    "walker": ("frame",),
+}
+"""Names of the sensors that each device's commands use, in the order of a file without names."""
+
+
+TOLD_BY_DEVICE = {
+    "scooter": {("frozen", "acc"), ("range", "acc")},
+    "walker": {("frozen", "acc"), ("frozen", "gyr"), ("range", "acc"), ("range", "gyr")},
+    "wheelchair": {("range", "gyr")},
+}
+"""Faults that the device's own function warns of, with what it does about them."""
+
+
+def parse_units(units: list[str] | None) -> dict[str, str]:
+    """Units of ``--unit acc=g --unit gyr=deg/s``.
+
+    Parameters
+    ----------
+    units : as typed
+
+    Returns
+    -------
+    dict of quantity to unit
+
+    Raises
+    ------
+    InputError
+        If one is not of this form.
+    """
+    found = {}
+    for text in units or []:
+        quantity, mark, unit = text.partition("=")
+        if not mark or not unit:
+            raise InputError(f"--unit {text}: expected acc=UNIT or gyr=UNIT, such as acc=g")
+        found[quantity.strip()] = unit.strip()
+    return found
+
+
+def read_input(
+    path: Path,
+    device: str,
+    *,
+    sampling_rate_hz: float | None,
+    fill_gaps_s: float = 0.0,
+    units: list[str] | None = None,
+    strict: bool = False,
+) -> Recording:
+    """Recording for a command of a device; warnings say what is wrong with its sensors.
+
+    Parameters
+    ----------
+    path : as typed
+    device : "scooter", "wheelchair" or "walker"
+    sampling_rate_hz : of ``--sampling-rate-hz``
+    fill_gaps_s : of ``--fill-gaps-s``
+    units : of ``--unit``
+    strict : of ``--strict``
+
+    Returns
+    -------
+    Recording
+
+    Raises
+    ------
+    InputError
+        What reading refuses, a sensor that stands for two, and with ``strict`` any fault.
+    """
+    from mobility_imu.health import examine
+    from mobility_imu.readers import read_recording
+
+    recording = read_recording(
+        path,
+        sampling_rate_hz=sampling_rate_hz,
+        fill_gaps_s=fill_gaps_s,
+        units=parse_units(units),
+        expected=SENSORS[device],
+    )
+    for found in examine(recording):
+        if strict or found.code == "copy":
+            raise InputError(found.sentence)
+        if (found.code, found.sensor.rpartition("_")[2]) not in TOLD_BY_DEVICE[device]:
+            warn([found.sentence])
+    return recording

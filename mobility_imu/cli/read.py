@@ -1,0 +1,108 @@
+"""The command that shows what is understood of a recording, and writes it as canonical CSV."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from mobility_imu.cli.inputs import parse_units
+from mobility_imu.cli.messages import summarize, warn
+from mobility_imu.cli.options import FillGaps, Quiet, Rate, Units
+from mobility_imu.files import Outputs, csv_bytes
+
+if TYPE_CHECKING:
+    from mobility_imu.readers.recordings import Reading
+
+
+def read(
+    recording: Annotated[
+        Path,
+        typer.Argument(
+            help="File, folder or archive of a session, common beginning of Xsens exports, or "
+            "several files as lever=a.csv,body=b.csv."
+        ),
+    ],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Write the recording as canonical CSV.")
+    ] = None,
+    map_path: Annotated[
+        Path | None,
+        typer.Option("--map", help="TOML that says which column is what, for any other table."),
+    ] = None,
+    sampling_rate_hz: Rate = None,
+    unit: Units = None,
+    fill_gaps_s: FillGaps = 0.0,
+    quiet: Quiet = False,
+) -> None:
+    """What is understood of a recording: format, sensors, rate, gravity, offsets at rest."""
+    from mobility_imu.cli.summaries import read_line, written_line
+    from mobility_imu.health import examine
+    from mobility_imu.readers.recordings import recording_files, understand
+
+    files = (*recording_files(recording), *([] if map_path is None else [map_path]))
+    outputs = Outputs({"--output": output}, files)
+    found = understand(
+        recording,
+        sampling_rate_hz=sampling_rate_hz,
+        fill_gaps_s=fill_gaps_s,
+        units=parse_units(unit),
+        map_path=map_path,
+    )
+    warn(found.warnings)
+    warn(fault.sentence for fault in examine(found.recording))
+    if output is not None:
+        outputs.write({output: csv_bytes(found.recording.to_frame(), output)})
+    typer.echo(reading_text(found))
+    said = [read_line(found.recording)] if output is None else [written_line([output])]
+    summarize(said, quiet)
+
+
+def reading_text(found: Reading) -> str:
+    """Lines that ``read`` prints.
+
+    Parameters
+    ----------
+    found : Reading
+
+    Returns
+    -------
+    str
+    """
+    import numpy as np
+
+    from mobility_imu.offsets import rest_offsets
+
+    recording = found.recording
+    step = np.diff(recording.time_s)
+    length = float(recording.time_s[-1] - recording.time_s[0])
+    lines = [
+        f"format    {found.format}",
+        f"rate      {recording.sampling_rate_hz:.6g} Hz, from {found.rate_from}",
+        f"samples   {len(recording)}, {length:.2f} s; steps of {1e3 * step.min():.3g} to "
+        f"{1e3 * step.max():.3g} ms",
+    ]
+    offsets = rest_offsets(recording, tuple(recording.sensors))
+    for name, imu in recording.sensors.items():
+        norm = np.linalg.norm(imu.acc_mps2, axis=1)
+        label = found.labels.get(name, "")
+        lines.append(f"{name}" + (f" (in the file: {label})" if label not in ("", name) else ""))
+        lines.append(
+            f"  acc     median length {np.median(norm):.3f} m/s², largest axis "
+            f"{np.abs(imu.acc_mps2).max():.3g} m/s²"
+        )
+        if imu.gyr_radps is None:
+            lines.append("  gyr     none")
+            continue
+        fastest = np.rad2deg(np.abs(imu.gyr_radps).max())
+        rest = offsets.get(name)
+        at_rest = (
+            "no rest found"
+            if rest is None
+            else "at rest "
+            + ", ".join(f"{v:.2f}" for v in np.rad2deg(rest.offset_radps))
+            + " deg/s"
+        )
+        lines.append(f"  gyr     largest axis {fastest:.4g} deg/s; {at_rest}")
+    return "\n".join(lines)

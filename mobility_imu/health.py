@@ -1,0 +1,261 @@
+"""What is wrong with the sensors of a recording, whatever device it comes from.
+
+:func:`examine` looks for faults that change a result without stopping it: a sensor that repeats its
+last sample, an axis that says nothing, single readings far off, a range that is cut, a gyroscope
+whose signs do not fit the accelerometer beside it, two sensors with the same data.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations, product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.quality import frozen_samples, saturated_samples, turned_gravity
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.runs import runs_of
+
+LONGEST_STILL_GYR_S = 1.0
+"""A gyroscope that says the same number for longer, while gravity turns beside it, is dead."""
+TURNED_MPS2 = 1.0
+"""Change of the accelerations, in a second or so, that comes with a turn (6 deg of tilt)."""
+FEWEST_VALUES = 20
+"""An axis that never changes is dead if another one of its sensor takes more values than this."""
+SPIKE_MPS2, SPIKE_RADPS = 100.0, 10.0
+"""One reading that leaves both neighbours by more, while these agree, is no movement: a hand or a
+wheel needs more than two samples for it."""
+SPIKE_TIMES = 20.0
+"""... and by so many times the usual change from sample to sample."""
+OFTEN_AT_END = 0.05
+"""Part of the samples that only a cut range leaves exactly at an axis' largest value."""
+SMOOTHED_S = 0.1
+"""Accelerations are averaged over this before their changes are looked at."""
+SPANS_S = (0.05, 0.3)
+"""Changes over such times are compared: short ones for wheels, long ones beneath vibration. Where
+both say something they have to say the same."""
+LEAST_CHANGE_MPS2 = 0.5
+"""Change that the gyroscope expects from which on it counts as turning: 3 deg of tilt."""
+LARGEST_PUSH_MPS2 = 2.0
+"""Only samples count whose force is gravity within this."""
+LEAST_TURNING_S = 2.0
+"""Time with such changes from which on the signs of a gyroscope are judged."""
+SURE_FIT, CLEARLY_WORSE, SURE_AGAINST = 0.75, 0.25, 0.55
+"""Correlation of the best signs from which on they are believed, and by how much the stated signs
+have to fit worse; or a correlation of the stated signs below minus the last."""
+SAME_PART = 0.9
+"""Two sensors with the same readings in more of the samples than this are one."""
+
+
+class Finding(NamedTuple):
+    """A fault of a sensor.
+
+    Parameters
+    ----------
+    code : "frozen", "dead axis", "spike", "range", "reversed", "copy"
+    sensor : name, with the half that is at fault ("frame_gyr")
+    first_s : s, when it begins, on the recording's clock
+    samples : how many samples it touches
+    sentence : what is wrong, where, and what to do
+    """
+
+    code: str
+    sensor: str
+    first_s: float
+    samples: int
+    sentence: str
+
+
+def examine(recording: Recording) -> tuple[Finding, ...]:
+    """Look for faults of the sensors of a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Returns
+    -------
+    tuple of Finding, empty if nothing was found
+    """
+    found: list[Finding] = []
+    for name, imu in recording.sensors.items():
+        found += _halves(recording, name, imu)
+        said = {fault.code for fault in found if fault.sensor.startswith(f"{name}_")}
+        if imu.gyr_radps is not None and not said & {"frozen", "dead axis"}:
+            found += _reversed(recording, name, imu.acc_mps2, imu.gyr_radps)
+    found += _copies(recording)
+    return tuple(found)
+
+
+def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Finding]:
+    """Faults of one half of a sensor: frozen, dead axis, spikes, range."""
+    rate = recording.sampling_rate_hz
+    felt = () if imu.gyr_radps is None else (turned_gravity(imu.acc_mps2, imu.gyr_radps, rate),)
+    halves = [("acc", imu.acc_mps2, SPIKE_MPS2, "m/s²")]
+    if imu.gyr_radps is not None:
+        halves.append(("gyr", imu.gyr_radps, SPIKE_RADPS, "rad/s"))
+    for half, values, spike, unit in halves:
+        label = f"{name}_{half}"
+        frozen = frozen_samples(values, rate, follows=felt if half == "acc" else ())
+        if half == "gyr":
+            frozen = frozen | _silent(imu.acc_mps2, values, rate)
+        if frozen.any():
+            yield _finding(
+                recording, "frozen", label, frozen,
+                "repeats its last reading; leave these times out, or record again",
+            )  # fmt: skip
+        for k in _dead_axes(values):
+            whole = np.ones(len(values), np.bool_)
+            yield _finding(
+                recording, "dead axis", f"{label}_{'xyz'[k]}", whole,
+                f"is {values[0, k]:g} {unit} throughout, while other axes move: it says nothing",
+            )  # fmt: skip
+        far = _spikes(values, spike)
+        if far.any():
+            k = int(np.argmax(far))
+            yield _finding(
+                recording, "spike", label, far,
+                f"jumps for single samples (to {np.abs(values[k]).max():.3g} {unit} first), which "
+                "no movement does; remove them",
+            )  # fmt: skip
+        cut = (saturated_samples(values) | _pinned(values)) & ~frozen
+        if cut.any():
+            largest = np.abs(values[cut]).max()
+            yield _finding(
+                recording, "range", label, cut,
+                f"stays at the end of its range, {largest:.4g} {unit}; choose a wider range",
+            )  # fmt: skip
+
+
+def _finding(
+    recording: Recording, code: str, label: str, flags: NDArray[np.bool_], what: str
+) -> Finding:
+    first = float(recording.time_s[int(np.argmax(flags))])
+    count = int(flags.sum())
+    where = "" if flags.all() else f" in {count} samples, first at {first:.2f} s,"
+    sentence = f"{recording.source}: {label}{where} {what}"
+    return Finding(code, label, first, count, sentence)
+
+
+def _silent(acc: FloatArray, gyr: FloatArray, rate_hz: float) -> NDArray[np.bool_]:
+    """Where a gyroscope says one number for seconds although gravity turns beside it."""
+    same = np.r_[False, (np.diff(gyr, axis=0) == 0).all(axis=1)]
+    silent = np.zeros(len(gyr), np.bool_)
+    for run in runs_of(same):
+        whole = slice(max(0, run.start - 1), run.stop)
+        long = whole.stop - whole.start > LONGEST_STILL_GYR_S * rate_hz
+        # Means of a quarter of a second: a push is shorter than that, a turn is not.
+        width = max(1, round(0.25 * rate_hz))
+        if long and whole.stop - whole.start > 2 * width:
+            sums = np.cumsum(np.vstack([np.zeros(3), acc[whole]]), axis=0)
+            means = (sums[width:] - sums[:-width]) / width
+            size = np.linalg.norm(means, axis=1, keepdims=True)
+            direction = 9.81 * means / np.maximum(size, 1e-9)
+            silent[whole] = np.ptp(direction, axis=0).max() > TURNED_MPS2
+    return silent
+
+
+def _dead_axes(values: FloatArray) -> list[int]:
+    """Axes that never change, of a half whose other axes take many values."""
+    counts = [len(np.unique(axis)) for axis in values.T]
+    return [k for k, n in enumerate(counts) if n == 1 and max(counts) > FEWEST_VALUES]
+
+
+def _spikes(values: FloatArray, least: float) -> NDArray[np.bool_]:
+    """Single readings far from both neighbours, which agree."""
+    far = np.zeros(len(values), np.bool_)
+    if len(values) < 5:
+        return far
+    step = np.diff(values, axis=0)
+    usual = np.median(np.abs(step), axis=0)
+    up, down = step[:-1], step[1:]
+    size = np.minimum(np.abs(up), np.abs(down))
+    alone = (np.sign(up) != np.sign(down)) & (np.abs(up + down) < 0.25 * size)
+    far[1:-1] = (alone & (size > np.maximum(least, SPIKE_TIMES * usual))).any(axis=1)
+    return far
+
+
+def _pinned(values: FloatArray) -> NDArray[np.bool_]:
+    """Where an axis says exactly its largest size, if it does so for much of the recording."""
+    size = np.abs(values)
+    at_end = (size == size.max(axis=0)) & (size > 0)
+    often = at_end.mean(axis=0) > OFTEN_AT_END
+    varied = np.array([len(np.unique(axis)) > FEWEST_VALUES for axis in values.T])
+    return np.asarray((at_end & (often & varied)).any(axis=1))
+
+
+def _reversed(
+    recording: Recording, name: str, acc: FloatArray, gyr: FloatArray
+) -> Iterator[Finding]:
+    """A gyroscope whose signs do not fit: gravity turns in the sensor's axes by -rate x force.
+
+    All eight choices of signs are tried; accelerations only add noise to each. Signs of axes that
+    hardly turn change nothing, and are not judged.
+    """
+    rate_hz = recording.sampling_rate_hz
+    smooth = max(1, round(SMOOTHED_S * rate_hz))
+    kernel = np.ones(smooth) / smooth
+    # (axis of the rate, n, 3): what each axis alone adds to the force, summed up from the start.
+    sums = [np.cumsum(-np.cross(gyr * axis, acc), axis=0) / rate_hz for axis in np.eye(3)]
+    force, *terms = (
+        np.column_stack([np.convolve(column, kernel, "valid") for column in values.T])
+        for values in (acc, *sums)
+    )
+    verdicts = []
+    for span_s in SPANS_S:
+        span = max(1, round(span_s * rate_hz))
+        if len(force) < 4 * span:
+            continue
+        seen = force[span:] - force[:-span]
+        parts = np.stack([term[span:] - term[:-span] for term in terms])
+        calm = np.abs(np.linalg.norm(force, axis=1) - STANDARD_GRAVITY_MPS2) < LARGEST_PUSH_MPS2
+        turning = np.linalg.norm(parts.sum(axis=0), axis=1) > LEAST_CHANGE_MPS2
+        turning &= calm[span:] & calm[:-span]
+        if turning.sum() < LEAST_TURNING_S * rate_hz:
+            continue
+        fits = {
+            signs: _alike(np.tensordot(signs, parts[:, turning], 1), seen[turning])
+            for signs in product((1.0, -1.0), repeat=3)
+        }
+        best = max(fits, key=lambda signs: fits[signs])
+        stated = fits[1.0, 1.0, 1.0]
+        if stated < -SURE_AGAINST or (
+            fits[best] > SURE_FIT and stated < fits[best] - CLEARLY_WORSE
+        ):
+            verdicts.append(best)
+        elif fits[best] > SURE_AGAINST:
+            verdicts.append((1.0, 1.0, 1.0))
+    bad = []
+    if verdicts and len(set(verdicts)) == 1:
+        bad = [axis for axis, sign in zip("xyz", verdicts[0], strict=True) if sign < 0]
+    if bad:
+        what = "the gyroscope" if len(bad) == 3 else f"axis {', '.join(bad)} of the gyroscope"
+        whole = np.ones(len(acc), np.bool_)
+        yield _finding(
+            recording, "reversed", f"{name}_gyr", whole,
+            f"turns the other way than gravity shows: {what} has the wrong sign, or the "
+            "accelerometer has; check the export's axes",
+        )  # fmt: skip
+
+
+def _alike(expected: FloatArray, seen: FloatArray) -> float:
+    """Correlation of two series of vectors about zero: 1 if they are the same up to a factor."""
+    size = float(np.sqrt((expected**2).sum() * (seen**2).sum()))
+    return float((expected * seen).sum()) / size if size > 0 else 0.0
+
+
+def _copies(recording: Recording) -> Iterator[Finding]:
+    for (first, a), (second, b) in combinations(recording.sensors.items(), 2):
+        same = (a.acc_mps2 == b.acc_mps2).all(axis=1)
+        changing = np.r_[False, (np.diff(a.acc_mps2, axis=0) != 0).any(axis=1)]
+        if changing.sum() < FEWEST_VALUES:
+            continue
+        if (same & changing).sum() > SAME_PART * changing.sum():
+            yield Finding(
+                "copy", f"{first}, {second}", float(recording.time_s[0]), int(same.sum()),
+                f"{recording.source}: {first} and {second} have the same readings: one sensor was "
+                "exported twice; give the recording of each",
+            )  # fmt: skip

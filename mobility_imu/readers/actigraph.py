@@ -1,0 +1,73 @@
+"""ActiGraph's exports of raw samples: ten lines of head, then g and deg/s with a wall clock."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2
+from mobility_imu.readers.clocks import check_rate
+from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.table import parse_numbers
+
+ACCELEROMETER = [f"Accelerometer {axis}" for axis in "XYZ"]
+GYROSCOPE = [f"Gyroscope {axis}" for axis in "XYZ"]
+HEAD_LINES = 10
+
+
+def is_actigraph(names: str) -> bool:
+    """Whether a file begins like ActiGraph's.
+
+    Parameters
+    ----------
+    names : its first line
+
+    Returns
+    -------
+    bool
+    """
+    return "Data File Created By ActiGraph" in names
+
+
+def read_actigraph(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
+    """The sensor of a file; its rate stands in the first line.
+
+    Rows are evenly spaced by ActiGraph's software, so the clock is their number over the rate.
+
+    Parameters
+    ----------
+    text : content of the file
+    source : the file's name, for messages
+    asked : not used
+
+    Returns
+    -------
+    tuple of one Stream
+
+    Raises
+    ------
+    InputError
+        If a column is missing, or a cell is no number.
+    """
+    lines = text.split("\n", HEAD_LINES)
+    stated = re.search(r"\bat (\d+(?:\.\d+)?) Hz", lines[0])
+    if len(lines) <= HEAD_LINES or stated is None:
+        raise InputError(f"{source}: an ActiGraph file states 'at ... Hz' and has ten head lines")
+    rate = check_rate(float(stated[1]), source)
+    table = parse_numbers(
+        lines[HEAD_LINES], separator=",", source=source, first_line=HEAD_LINES + 1,
+        wanted={*ACCELEROMETER, *GYROSCOPE}.__contains__,
+    )  # fmt: skip
+    gyr = np.deg2rad(table.columns(GYROSCOPE)) if GYROSCOPE[0] in table.header else None
+    return (
+        Stream(
+            np.arange(len(table)) / rate,
+            table.columns(ACCELEROMETER) * STANDARD_GRAVITY_MPS2,
+            gyr,
+            source=source,
+            rate_from="the file's head",
+            counted=True,
+        ),
+    )

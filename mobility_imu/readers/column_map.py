@@ -1,0 +1,165 @@
+"""Any other CSV, by a map: a small TOML file that says which column is what.
+
+.. code-block:: toml
+
+    [clock]
+    column = "t"            # or rate_hz = 100
+    unit = "ms"             # s, ms, us or ns
+
+    [sensors.frame]
+    acc = ["ax", "ay", "-az"]   # a minus reverses the sign
+    acc_unit = "g"
+    gyr = ["gx", "gy", "-gz"]
+    gyr_unit = "deg/s"
+
+``first_row = 3`` in ``[clock]`` names the line of the names, if it is not the first. A file without
+names has ``names = ["t", "ax", ...]`` at the top level of the map.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray
+from mobility_imu.readers.clocks import check_rate
+from mobility_imu.readers.streams import Stream, factor
+from mobility_imu.readers.table import NumberTable, parse_numbers, read_text
+from mobility_imu.readers.wording import listed, quoted
+
+CLOCK_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+CLOCK_KEYS = {"column", "unit", "rate_hz", "first_row"}
+SENSOR_KEYS = {"acc", "acc_unit", "gyr", "gyr_unit"}
+
+
+def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, ...]:
+    """Sensors of a table as a map describes them.
+
+    Parameters
+    ----------
+    text : content of the table
+    source : the table's name, for messages
+    map_path : TOML file
+
+    Returns
+    -------
+    tuple of Stream, all with the same times
+
+    Raises
+    ------
+    InputError
+        If the map misses something or has an unknown key, a column is not there, or a cell of it
+        is no number.
+    """
+    plan = _plan(map_path)
+    clock, sensors = plan["clock"], plan["sensors"]
+    first = _whole(clock.get("first_row", 1), f"{map_path}, [clock] first_row")
+    lines = text.split("\n", first - 1)
+    if len(lines) < first:
+        raise InputError(f"{source}: has no line {first}, where {map_path} expects the names")
+    body = lines[first - 1]
+    if "names" in plan:
+        names = plan["names"]
+        if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
+            raise InputError(f"{map_path}: names must be a list of texts")
+        separator = max("\t;,", key=body.partition("\n")[0].count)
+        body = separator.join(names) + "\n" + body
+        first -= 1
+    read = {
+        name.lstrip("-")
+        for sensor in sensors.values()
+        for key in ("acc", "gyr")
+        for name in sensor.get(key, ())
+    }
+    if "column" in clock:
+        read.add(clock["column"])
+    table = parse_numbers(body, source=source, first_line=first, wanted=read.__contains__)
+    time_s, rate_from = _times(table, clock, map_path)
+    streams = []
+    for name, sensor in sensors.items():
+        values = {
+            quantity: _signed(table, sensor[quantity])
+            * factor(quantity, sensor[f"{quantity}_unit"], str(map_path))
+            for quantity in ("acc", "gyr")
+            if quantity in sensor
+        }
+        streams.append(
+            Stream(
+                time_s, values["acc"], values.get("gyr"), source=source, label=name,
+                rate_from=rate_from, counted="rate_hz" in clock,
+            )
+        )  # fmt: skip
+    return tuple(streams)
+
+
+def _plan(path: str | Path) -> dict[str, Any]:
+    try:
+        plan = tomllib.loads(read_text(path))
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{path}: not valid TOML ({error})") from None
+    unknown = set(plan) - {"clock", "sensors", "names"}
+    clock, sensors = plan.get("clock"), plan.get("sensors")
+    if unknown or not isinstance(clock, dict) or not isinstance(sensors, dict) or not sensors:
+        what = f"{listed(sorted(unknown))} is unknown" if unknown else "something is missing"
+        raise InputError(f"{path}: {what}; a map has [clock] and [sensors.<name>]")
+    _known(clock, CLOCK_KEYS, f"{path}, [clock]")
+    if ("column" in clock) == ("rate_hz" in clock):
+        raise InputError(f"{path}, [clock]: expected either column or rate_hz")
+    for name, sensor in sensors.items():
+        place = f"{path}, [sensors.{quoted(name)}]"
+        if not isinstance(sensor, dict) or "acc" not in sensor:
+            raise InputError(f'{place}: expected acc = ["...", "...", "..."]')
+        _known(sensor, SENSOR_KEYS, place)
+        for quantity in ("acc", "gyr"):
+            columns = sensor.get(quantity)
+            if columns is None:
+                continue
+            if (
+                not isinstance(columns, list)
+                or len(columns) != 3
+                or not all(isinstance(c, str) for c in columns)
+            ):
+                raise InputError(f"{place}: {quantity} must name three columns")
+            if not isinstance(sensor.get(f"{quantity}_unit"), str):
+                raise InputError(f"{place}: {quantity}_unit is missing")
+    return plan
+
+
+def _known(table: dict[str, Any], keys: set[str], place: str) -> None:
+    unknown = set(table) - keys
+    if unknown:
+        raise InputError(
+            f"{place}: {listed(sorted(unknown))} is unknown (expected: {', '.join(sorted(keys))})"
+        )
+
+
+def _whole(value: object, place: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 1000:
+        raise InputError(f"{place}: expected a whole number from 1 to 1000")
+    return value
+
+
+def _times(table: NumberTable, clock: dict[str, Any], path: str | Path) -> tuple[FloatArray, str]:
+    if "rate_hz" in clock:
+        rate = check_rate(clock["rate_hz"], f"{path}, [clock] rate_hz")
+        return np.arange(len(table)) / rate, f"{Path(path).name}"
+    unit = clock.get("unit")
+    if unit not in CLOCK_UNITS:
+        raise InputError(f"{path}, [clock] unit: expected {', '.join(CLOCK_UNITS)}")
+    column = clock["column"]
+    if not isinstance(column, str):
+        raise InputError(f"{path}, [clock] column: expected the name of a column")
+    return np.asarray(table.columns([column])[:, 0] * CLOCK_UNITS[unit]), "its clock"
+
+
+def _signed(table: NumberTable, columns: Sequence[str]) -> FloatArray:
+    names = [c.removeprefix("-") if c.removeprefix("-") in table.header else c for c in columns]
+    signs = np.array(
+        [1.0 if name == column else -1.0 for name, column in zip(names, columns, strict=True)]
+    )
+    return np.asarray(table.columns(names) * signs)

@@ -1,0 +1,161 @@
+"""How a text table is laid out: separator, decimal mark, names, an index column, a ``sep=`` line.
+
+Excel, R and pandas write the same table in different ways. This module finds the way; the numbers
+are read in :mod:`mobility_imu.readers.table`.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from mobility_imu.errors import InputError
+from mobility_imu.readers.wording import quoted
+
+SEPARATORS = ("\t", ";", ",")
+ROWS_LOOKED_AT = 20
+_SEP_LINE = re.compile(r'\s*"?sep=(.)"?\s*', re.IGNORECASE)
+
+
+class Layout(NamedTuple):
+    """Where the cells of a text table are.
+
+    Parameters
+    ----------
+    names : of the columns, without quotes and blanks around them
+    separator : one character
+    decimal : "." or ","
+    indexed : whether each row begins with a cell that has no name (pandas' and R's index)
+    line : line number of the names in the file, from 1
+    body : the rows
+    """
+
+    names: tuple[str, ...]
+    separator: str
+    decimal: str
+    indexed: bool
+    line: int
+    body: str
+
+
+def find_layout(
+    text: str, source: str, *, separator: str | None = None, first_line: int = 1
+) -> Layout:
+    """Layout of a table whose names stand in the first line that is not empty.
+
+    Parameters
+    ----------
+    text : names and rows, perhaps after a line ``sep=;``
+    source : the file's name, for messages
+    separator : one character, if the format fixes it
+    first_line : line number of the text's first line in its file, for messages
+
+    Returns
+    -------
+    Layout
+
+    Raises
+    ------
+    InputError
+        If there is no row of data.
+    """
+    line = first_line
+    head, rest = _next_line(text)
+    while True:
+        told = _SEP_LINE.fullmatch(head)
+        if told and separator is None:
+            separator = told[1]
+        elif head.strip() and not told:
+            break
+        if not rest:
+            break
+        head, rest = _next_line(rest)
+        line += 1
+    if not rest.strip():
+        raise InputError(f"{source}: a header, but no rows of data")
+    if separator is None:
+        separator = max(SEPARATORS, key=_unquoted(head).count)
+    names = [name.strip() for name in split_row(head, separator)]
+    while len(names) > 1 and not names[-1]:
+        names.pop()  # rows that end with a separator
+    rows = [split_row(row, separator) for row in _first_rows(rest)]
+    indexed = len(names) > 1 and not names[0]
+    if indexed:
+        names = names[1:]
+    elif rows and all(len(row) == len(names) + 1 and row[-1].strip() for row in rows):
+        # R's write.table has no name for its index; a cell too many has no other meaning if it
+        # counts the rows.
+        indexed = [row[0].strip().strip('"') for row in rows[:2]] == ["1", "2"]
+    return Layout(tuple(names), separator, _decimal(rows, separator), indexed, line, rest)
+
+
+def split_row(row: str, separator: str) -> list[str]:
+    """Cells of one line; a separator in quotation marks is part of its cell.
+
+    Parameters
+    ----------
+    row : one line
+    separator : one character
+
+    Returns
+    -------
+    list of str
+    """
+    row = row.rstrip("\r\n")
+    if '"' not in row:
+        return row.split(separator)
+    try:
+        return next(
+            csv.reader([row], delimiter=separator, skipinitialspace=True, strict=True), [""]
+        )
+    except csv.Error:
+        return row.split(separator)
+
+
+def _next_line(text: str) -> tuple[str, str]:
+    head, _, rest = text.partition("\n")
+    return head.rstrip("\r"), rest
+
+
+def _unquoted(line: str) -> str:
+    return re.sub(r'"[^"]*"', "", line)
+
+
+def _first_rows(body: str) -> list[str]:
+    """Some rows of the beginning; the last of a long body may be cut and is left out."""
+    rows = [row for row in body[:100_000].splitlines()[: ROWS_LOOKED_AT + 1] if row.strip()]
+    return rows[:ROWS_LOOKED_AT]
+
+
+def _decimal(rows: Sequence[Sequence[str]], separator: str) -> str:
+    """Decimal mark: a comma if some number has one and none has a point."""
+    if separator == ",":
+        # A comma can then stand in quotation marks only.
+        cells = [cell for row in rows for cell in row if "," in cell]
+    else:
+        cells = [
+            cell for row in rows for cell in row if re.fullmatch(r"\s*[-+]?\d*,\d+\S*\s*", cell)
+        ]
+    return "," if cells else "."
+
+
+def check_names(names: Sequence[str], source: str) -> None:
+    """Check that no name of a column appears twice.
+
+    Parameters
+    ----------
+    names : of the columns
+    source : the file's name, for messages
+
+    Raises
+    ------
+    InputError
+        With the first name that appears twice, whatever its case.
+    """
+    seen: set[str] = set()
+    for name in names:
+        if name.lower() in seen:
+            raise InputError(f"{source}: column {quoted(name.lower())} stands twice")
+        seen.add(name.lower())

@@ -1,0 +1,133 @@
+"""The app Sensor Logger (Android, iOS): a folder with one file per quantity, columns ``z,y,x``.
+
+``Accelerometer.csv`` holds no gravity. Android writes the specific force into
+``TotalAcceleration.csv``; iOS reads it with the opposite sign, as the sum of ``Accelerometer.csv``
+and ``Gravity.csv``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2
+from mobility_imu.readers.halves import Half, join_halves
+from mobility_imu.readers.layout import find_layout, split_row
+from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.table import parse_numbers
+
+ELAPSED = "seconds_elapsed"
+USED = ("TotalAcceleration", "Accelerometer", "AccelerometerUncalibrated", "Gravity", "Gyroscope")
+
+
+def is_sensor_logger(names: str) -> bool:
+    """Whether a line of names is one of Sensor Logger's.
+
+    Parameters
+    ----------
+    names : the line
+
+    Returns
+    -------
+    bool
+    """
+    return ELAPSED in names
+
+
+def read_sensor_logger_file(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
+    """One file by itself: it does not say what it holds, so that its folder is asked for.
+
+    Parameters
+    ----------
+    text : content of the file
+    source : the file's name, for messages
+    asked : not used
+
+    Raises
+    ------
+    InputError
+        Always, with the way to go on.
+    """
+    raise InputError(
+        f"{source}: one file of Sensor Logger, which does not say which quantity it holds; give "
+        "the folder of the recording, with Metadata.csv beside it"
+    )
+
+
+def read_sensor_logger(files: Mapping[str, str], source: str, asked: Asked) -> tuple[Stream, ...]:
+    """The phone of one recording.
+
+    Parameters
+    ----------
+    files : name of a file without its ending ("Gyroscope") to its content
+    source : the folder's name, for messages
+    asked : not used, for the files state their clock and the app documents its units
+
+    Returns
+    -------
+    tuple of one Stream
+
+    Raises
+    ------
+    InputError
+        If the platform is not stated, or no file holds accelerations with gravity.
+    """
+    platform = _platform(files, source)
+    halves = {name: _half(files[name], f"{source}/{name}.csv") for name in USED if name in files}
+    said: tuple[str, ...] = ()
+    if "TotalAcceleration" in halves:
+        acc = halves["TotalAcceleration"]
+        sign = 1.0
+    elif platform == "ios" and {"Accelerometer", "Gravity"} <= set(halves):
+        moved, gravity = halves["Accelerometer"], halves["Gravity"]
+        if len(moved.time_s) != len(gravity.time_s) or not np.array_equal(
+            moved.time_s, gravity.time_s
+        ):
+            raise InputError(f"{source}: Accelerometer.csv and Gravity.csv have different times")
+        acc = Half(moved.time_s, moved.values + gravity.values, moved.source)
+        sign = -1.0
+    elif "AccelerometerUncalibrated" in halves:
+        acc = halves["AccelerometerUncalibrated"]
+        if platform == "ios":
+            acc = acc._replace(values=acc.values * STANDARD_GRAVITY_MPS2)
+        sign = -1.0 if platform == "ios" else 1.0
+    else:
+        raise InputError(
+            f"{source}: no accelerations with gravity; record TotalAcceleration (Android), or "
+            "Accelerometer and Gravity (iOS), in Sensor Logger"
+        )
+    if platform == "ios" and "TotalAcceleration" in halves:
+        sign = -1.0
+    if sign < 0:
+        said = (f"{source}: signs of the accelerations reversed (iOS reads -1 g upward)",)
+    acc = acc._replace(values=sign * acc.values)
+    return (join_halves(acc, halves.get("Gyroscope"), source, warnings=said),)
+
+
+def _platform(files: Mapping[str, str], source: str) -> str:
+    if "Metadata" not in files:
+        raise InputError(
+            f"{source}: no Metadata.csv, which states the platform: Android and iOS have opposite "
+            "signs"
+        )
+    names, _, row = files["Metadata"].strip().partition("\n")
+    told = dict(zip(split_row(names.strip(), ","), split_row(row.strip(), ","), strict=False))
+    platform = told.get("platform", "").lower()
+    if platform not in ("android", "ios"):
+        raise InputError(f"{source}/Metadata.csv: platform '{platform}', expected android or ios")
+    return platform
+
+
+def _half(text: str, source: str) -> Half:
+    names = find_layout(text, source).names
+    columns = []
+    for axis in "xyz":
+        found = [n for n in names if re.fullmatch(rf"(?:\w*?)[_ ]?{axis}", n, re.IGNORECASE)]
+        if len(found) != 1:
+            raise InputError(f"{source}: no column {axis} (it has: {', '.join(names)})")
+        columns.append(found[0])
+    table = parse_numbers(text, source=source, wanted={ELAPSED, *columns}.__contains__)
+    return Half(table.columns([ELAPSED])[:, 0], table.columns(columns), source)

@@ -1,0 +1,307 @@
+"""Xsens MT Manager's text export: one file per sensor, joined on the packet counter."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray
+from mobility_imu.readers.clocks import check_rate
+from mobility_imu.readers.layout import find_layout
+from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.table import parse_numbers
+from mobility_imu.readers.wording import listed, quoted
+
+COUNTER_RANGE = 65536
+NEAR_END = COUNTER_RANGE - 2000
+"""A counter that starts again at 0 comes from above this."""
+LARGEST_COUNTER = 2**53
+"""From here on a float does not hold every whole number."""
+TICKS_PER_S = 10_000.0
+"""SampleTimeFine counts tenths of a millisecond."""
+TICK_RANGE = 2**32
+COUNTERS = ("PacketCounter", "Counter")
+QUANTITIES = {"Acc": "acc", "Gyr": "gyr"}
+MOST_COMMENTS = 100
+LONG_END_S = 1.0
+"""Sensors start and stop within this; more that one sensor does not have is worth a warning."""
+
+
+def is_xsens_mt(names: str) -> bool:
+    """Whether the first line of a file is MT Manager's.
+
+    Parameters
+    ----------
+    names : the line
+
+    Returns
+    -------
+    bool
+    """
+    return names.startswith("//") or bool(
+        re.match(r'"?(Packet)?Counter"?\s*[\t,; ]', names)
+        and re.search(r"\b(Acc|Gyr|Mat|Quat|Roll)", names)
+    )
+
+
+class Export(NamedTuple):
+    """One file of an export.
+
+    Parameters
+    ----------
+    counter : (n,) array, packets, going on where the sensor's counter starts again; None without
+    ticks_s : (n,) array, s, of SampleTimeFine; None if it is not there or empty
+    acc : (n, 3) array, m/s²
+    gyr : (n, 3) array, rad/s, or None
+    rate_hz : Hz, as the head of the file states it, or None
+    source : the file's name, for messages
+    warnings : rows that were left out
+    """
+
+    counter: FloatArray | None
+    ticks_s: FloatArray | None
+    acc: FloatArray
+    gyr: FloatArray | None
+    rate_hz: float | None
+    source: str
+    warnings: tuple[str, ...]
+
+
+def read_xsens_mt(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
+    """The sensor of one file.
+
+    Parameters
+    ----------
+    text : content of the file
+    source : the file's name, for messages
+    asked : with the sampling rate, if neither head nor SampleTimeFine state it
+
+    Returns
+    -------
+    tuple of one Stream
+
+    Raises
+    ------
+    InputError
+        If a column is missing, a cell of it is no number, or no rate is known.
+    """
+    return (_stream(parse_export(text, source), asked),)
+
+
+def _stream(export: Export, asked: Asked) -> Stream:
+    time_s, rate_from = _clock(export, asked)
+    return Stream(
+        time_s, export.acc, export.gyr, source=export.source, warnings=export.warnings,
+        rate_from=rate_from, counted=True, label=Path(export.source).stem,
+    )  # fmt: skip
+
+
+def _clock(export: Export, asked: Asked) -> tuple[FloatArray, str]:
+    """Times of the samples, and where their rate comes from."""
+    counter, ticks = export.counter, export.ticks_s
+    count = np.arange(len(export.acc), dtype=float) if counter is None else counter - counter[0]
+    if export.rate_hz is not None:
+        return count / export.rate_hz, "the file's head"
+    if ticks is not None and len(ticks) > 1:
+        rate = float((count[-1] - count[0]) / (ticks[-1] - ticks[0]))
+        check_rate(rate, f"{export.source}: SampleTimeFine")
+        return count / rate, "SampleTimeFine"
+    what = "an export of MT Manager without Update Rate and SampleTimeFine"
+    return count / asked.rate(export.source, what), "given"
+
+
+def parse_export(text: str, source: str) -> Export:
+    """Parse one text export; rows without any reading are lost packets and are left out.
+
+    Parameters
+    ----------
+    text : content of the file
+    source : the file's name, for messages
+
+    Returns
+    -------
+    Export
+
+    Raises
+    ------
+    InputError
+        If there is no acceleration, the counter cannot be, or a cell is no number.
+    """
+    comments: list[str] = []
+    rest = text
+    while rest.startswith("//") and len(comments) < MOST_COMMENTS:
+        line, _, rest = rest.partition("\n")
+        comments.append(line)
+    head = rest.partition("\n")[0]
+    separator = " " if not re.search(r"[\t,;]", head) else None
+    names = find_layout(rest, source, separator=separator, first_line=len(comments) + 1).names
+    quantities = [q for q in QUANTITIES if any(f"{q}_{axis}" in names for axis in "XYZ")]
+    if "Acc" not in quantities:
+        raise InputError(
+            f"{source}: no column Acc_X, Acc_Y, Acc_Z (it has: {listed(names)}); export "
+            "calibrated accelerations (and rates) from MT Manager"
+        )
+    read = {f"{q}_{axis}" for q in quantities for axis in "XYZ"} | {*COUNTERS, "SampleTimeFine"}
+    table = parse_numbers(
+        rest,
+        separator=separator,
+        source=source,
+        first_line=len(comments) + 1,
+        wanted=read.__contains__,
+    )
+    counter_name = next((name for name in COUNTERS if name in table.header), None)
+    counter = None
+    if counter_name is not None:
+        counter = unwrapped(table.columns([counter_name])[:, 0], source)
+    ticks = None
+    if "SampleTimeFine" in table.header:
+        raw = table.columns(["SampleTimeFine"])[:, 0]
+        if np.isfinite(raw).all():
+            wraps = np.cumsum(np.diff(raw, prepend=raw[:1]) < -TICK_RANGE / 2)
+            ticks = (raw + TICK_RANGE * wraps) / TICKS_PER_S
+    values = np.hstack([table.columns([f"{q}_{axis}" for axis in "XYZ"]) for q in quantities])
+    empty = np.isnan(values).all(axis=1)
+    said = []
+    if empty.any():
+        if counter is None:
+            raise InputError(
+                f"{source}: {int(empty.sum())} row(s) without readings and no packet counter"
+            )
+        said.append(f"{source}: {int(empty.sum())} lost packet(s), rows without readings")
+    kept = ~empty
+    partly = np.isnan(values).any(axis=1) & kept
+    if partly.any() and counter is not None and counter_name is not None:
+        said.append(f"{source}: {int(partly.sum())} row(s) left out in which a reading is missing")
+        kept &= ~partly
+    return Export(
+        None if counter is None else counter[kept],
+        None if ticks is None else ticks[kept],
+        values[kept, :3],
+        values[kept, 3:] if "Gyr" in quantities else None,
+        _update_rate("\n".join(comments), source),
+        source,
+        tuple(said),
+    )
+
+
+def join_exports(exports: Mapping[str, Export], asked: Asked) -> tuple[Stream, ...]:
+    """Sensors of one session on the packet counter that they share.
+
+    Samples that not all sensors have are left out at the two ends; inside they are gaps.
+
+    Parameters
+    ----------
+    exports : sensor name to its file
+    asked : with the sampling rate, if the files do not state it
+
+    Returns
+    -------
+    tuple of Stream, all with the same times
+
+    Raises
+    ------
+    InputError
+        If the rates differ, or the sensors share no packets.
+    """
+    source = " + ".join(Path(export.source).name for export in exports.values())
+    if any(export.counter is None for export in exports.values()):
+        raise InputError(f"{source}: no PacketCounter in one of the files; export it with them")
+    first = next(iter(exports.values()))
+    assert first.counter is not None
+    counters: dict[str, FloatArray] = {}
+    for name, export in exports.items():
+        assert export.counter is not None
+        # A sensor that starts after the counter went over has small counts throughout.
+        turns = round((first.counter[0] - export.counter[0]) / COUNTER_RANGE)
+        counters[name] = export.counter + COUNTER_RANGE * turns
+    common: FloatArray | None = None
+    for counter in counters.values():
+        common = counter if common is None else np.intersect1d(common, counter, assume_unique=True)
+    if common is None or len(common) < 2:
+        spans = ", ".join(f"{name} {c[0]:g}-{c[-1]:g}" for name, c in counters.items())
+        raise InputError(f"{source}: the sensors share no packet counters ({spans})")
+    rates = {_rate(export, asked) for export in exports.values()}
+    if max(rates) - min(rates) > 1e-3 * max(rates):
+        raise InputError(f"{source}: sensors at different rates ({sorted(rates)} Hz)")
+    time_s = (common - common[0]) / max(rates)
+    streams = []
+    for name, export in exports.items():
+        at = np.isin(counters[name], common, assume_unique=True)
+        said = list(export.warnings)
+        begin, end = int(np.argmax(at)), int(np.argmax(at[::-1]))
+        if begin + end > LONG_END_S * max(rates):
+            said.append(
+                f"{export.source}: {begin} sample(s) at the beginning and {end} at the end left "
+                "out, which another sensor does not have"
+            )
+        gyr = None if export.gyr is None else export.gyr[at]
+        streams.append(
+            Stream(
+                time_s, export.acc[at], gyr, source=export.source, label=name, counted=True,
+                warnings=tuple(said), rate_from=_clock(export, asked)[1],
+            )
+        )  # fmt: skip
+    return tuple(streams)
+
+
+def _rate(export: Export, asked: Asked) -> float:
+    if export.rate_hz is not None:
+        return export.rate_hz
+    time_s, _ = _clock(export, asked)
+    counter = export.counter
+    assert counter is not None
+    return float((counter[-1] - counter[0]) / (time_s[-1] - time_s[0]))
+
+
+def unwrapped(counter: FloatArray, source: str) -> FloatArray:
+    """Packet counter that goes on where the sensor's starts again at 0, after 65535.
+
+    Parameters
+    ----------
+    counter : (n,) array, as the file has it
+    source : the file's name, for messages
+
+    Returns
+    -------
+    (n,) array, increasing
+
+    Raises
+    ------
+    InputError
+        If a counter is no whole number, repeats, or falls from far below 65535.
+    """
+    bad = ~((counter >= 0) & (counter < LARGEST_COUNTER) & (counter == np.rint(counter)))
+    if bad.any():
+        k = int(np.argmax(bad))
+        raise InputError(f"{source}: the packet counter is {counter[k]:g} at row {k + 1}")
+    step = np.diff(counter)
+    wraps = (
+        (step < -COUNTER_RANGE / 2)
+        & (counter[:-1] > NEAR_END)
+        & (counter[1:] < COUNTER_RANGE - NEAR_END)
+    )
+    counter = counter + COUNTER_RANGE * np.r_[0, np.cumsum(wraps)]
+    step = np.diff(counter)
+    if (step <= 0).any():
+        k = int(np.argmax(step <= 0))
+        kind = "stands twice" if step[k] == 0 else "runs backwards"
+        raise InputError(f"{source}: the packet counter {kind} at row {k + 2}")
+    return counter
+
+
+def _update_rate(comments: str, source: str) -> float | None:
+    """Rate in Hz that the comments state; None if there is no such line."""
+    rates = set()
+    for key, stated in re.findall(r"(Update Rate|Sample rate):(.*)", comments, re.IGNORECASE):
+        number = re.fullmatch(r"\s*(\d+(?:[.,]\d+)?)\s*(?:Hz)?\s*", stated, re.ASCII)
+        if number is None:
+            raise InputError(f"{source}: {key}:{quoted(stated)}, expected a number of Hz")
+        rates.add(check_rate(float(number[1].replace(",", ".")), f"{source}: {key}:"))
+    if len(rates) > 1:
+        raise InputError(f"{source}: Update Rate: stands twice ({sorted(rates)} Hz)")
+    return rates.pop() if rates else None

@@ -1,0 +1,126 @@
+"""Faults of sensors are found in simulated recordings, and none is found where there is none."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from mobility_imu.health import examine
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.simulation.levels import LEVELS, MOUNTS
+from mobility_imu.simulation.scooter import COURSES, draw_driver, draw_scooter, simulate_ride
+from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
+from mobility_imu.simulation.wheelchair import COURT, random_mounting, simulate_drive
+from mobility_imu.wheelchair import SAMPLE_CHAIR
+
+DEVICES = ("scooter", "wheelchair", "walker")
+SEEDS = (1, 2, 3)
+
+
+@cache
+def clean(device, seed):
+    if device == "scooter":
+        unit, driver = draw_scooter(seed), draw_driver(seed)
+        return simulate_ride(COURSES["curves"], seed=seed, unit=unit, driver=driver).recording
+    if device == "wheelchair":
+        return simulate_drive(COURT, SAMPLE_CHAIR, random_mounting(seed), seed=seed).recording
+    level = LEVELS["realistic"]
+    motion = simulate_walk(CORRIDOR, seed=seed, imperfections=level.imperfections)
+    return attach_imu(motion, MOUNTS["1"], level.sensor, seed=seed, unit_seed=seed).recording
+
+
+def changed(recording, sensor, *, acc=None, gyr=None):
+    imu = recording.sensor(sensor)
+    new = Imu(
+        imu.acc_mps2 if acc is None else acc(imu.acc_mps2.copy()),
+        imu.gyr_radps if gyr is None else gyr(imu.gyr_radps.copy()),
+    )
+    return Recording(recording.time_s, {**recording.sensors, sensor: new}, source="faulty")
+
+
+def sensors(device):
+    return list(clean(device, 1).sensors)
+
+
+@pytest.mark.parametrize("device", DEVICES)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_nothing_is_found_where_nothing_is_wrong(device, seed):
+    assert examine(clean(device, seed)) == ()
+
+
+CHANGES = {
+    "gyroscope freezes": ("frozen", {"gyr": lambda v: hold(v, 0.5)}),
+    "accelerometer freezes": ("frozen", {"acc": lambda v: hold(v, 0.5)}),
+    "gyroscope is dead": ("frozen", {"gyr": lambda v: 0 * v}),
+    "one axis is dead": ("dead axis", {"gyr": lambda v: v * [1, 0, 1]}),
+    "a spike": ("spike", {"acc": lambda v: spiked(v, 300.0)}),
+    "a spike in a rate": ("spike", {"gyr": lambda v: spiked(v, 34.0)}),
+}
+
+
+def hold(values, part):
+    begin = int(part * len(values))
+    values[begin:] = values[begin]
+    return values
+
+
+def spiked(values, size):
+    values[len(values) // 3, 1] += size
+    return values
+
+
+@pytest.mark.parametrize("device", DEVICES)
+@pytest.mark.parametrize("fault", CHANGES)
+def test_each_fault_is_found_in_each_sensor(device, fault):
+    code, how = CHANGES[fault]
+    (half,) = how
+    for seed in SEEDS:
+        for sensor in sensors(device):
+            found = examine(changed(clean(device, seed), sensor, **how))
+            assert [f.code for f in found] == [code], (seed, sensor)
+            assert found[0].sensor.startswith(f"{sensor}_{half}")
+            assert "faulty: " in found[0].sentence
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(
+    ("device", "sensor"), [("scooter", "lever"), ("wheelchair", "left_wheel"), ("walker", "frame")]
+)
+def test_a_gyroscope_with_the_wrong_sign_is_told(device, sensor, seed):
+    found = examine(changed(clean(device, seed), sensor, gyr=lambda v: -v))
+    assert [f.code for f in found] == ["reversed"]
+    assert "has the wrong sign, or the accelerometer has" in found[0].sentence
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_one_wrong_sign_is_told_for_the_axis_that_turns_most(axis):
+    """A wheel turns about its axle across gravity; its other axes leave no trace to judge."""
+    recording = clean("wheelchair", 1)
+    rate = np.abs(recording.sensor("left_wheel").gyr_radps).mean(axis=0)
+    signs = np.where(np.arange(3) == axis, -1.0, 1.0)
+    found = examine(changed(recording, "left_wheel", gyr=lambda v: v * signs))
+    assert [f.code for f in found] == (["reversed"] if axis == rate.argmax() else [])
+
+
+def test_two_sensors_with_the_same_readings_are_one():
+    recording = clean("scooter", 1)
+    twice = {name: recording.sensor("lever") for name in ("lever", "body")}
+    (found,) = examine(Recording(recording.time_s, twice, source="twice"))
+    assert found.code == "copy" and "lever and body have the same readings" in found.sentence
+
+
+def test_a_range_that_is_cut():
+    recording = clean("wheelchair", 1)
+    fastest = np.abs(recording.sensor("left_wheel").gyr_radps).max()
+    cut = changed(recording, "left_wheel", gyr=lambda v: np.clip(v, -fastest / 2, fastest / 2))
+    (found,) = examine(cut)
+    assert (found.code, found.sensor) == ("range", "left_wheel_gyr")
+    assert found.samples > 10 and "choose a wider range" in found.sentence
+
+
+def test_a_still_sensor_in_coarse_steps_is_healthy():
+    rng = np.random.default_rng(5)
+    acc = np.round(rng.normal([0, 0, 9.8], 0.02, (3000, 3)) / 0.0981) * 0.0981
+    gyr = np.round(rng.normal(0, 0.0003, (3000, 3)) / 0.001) * 0.001
+    still = Recording(np.arange(3000) / 100, {"frame": Imu(acc, gyr)}, source="still")
+    assert examine(still) == ()
