@@ -57,7 +57,7 @@ def plot_ride(ride: SimulatedRide, moving: NDArray[np.bool_], wire_deg: FloatArr
     time_s = ride.recording.time_s
     with use_style():
         figure, panels = plt.subplots(
-            3, 1, figsize=(8.4, 6.4), sharex=True, height_ratios=[1.25, 1.25, 1]
+            3, 1, figsize=(8.4, 5.4), sharex=True, height_ratios=[1.25, 1.25, 1]
         )
         for ax, name in zip(panels, ("lever", "body"), strict=False):
             acc = ride.recording.sensor(name).acc_mps2
