@@ -101,7 +101,7 @@ def sentences(text: str) -> list[str]:
     for block in re.split(r"\n\s*\n|\n(?=\s*(?:[-*+]|\d+\.)\s)", plain(text)):
         block = re.sub(r"^\s*(?:[-*+]|\d+\.)\s+", "", " ".join(block.split()))
         block = ABBREVIATED.sub(lambda m: m[0][:-1], block)
-        for part in re.split(r"(?<=[.!?])[\"”')]*\s+(?=[\"“'(]?[A-Z0-9x−])", block):
+        for part in re.split(r"(?<=[.!?])[\"”')]*\s+(?=[\"“'(]*[A-Z0-9x−]|\(\w\))", block):
             if re.search(r"\w", part):
                 found.append(part.strip())
     return found
@@ -166,7 +166,8 @@ def unlinked(path: Path) -> list[str]:
     for term in terms():
         longer = [t for t in terms() if term in t and t != term]
         for cell in prose:
-            text = plain(cell.text)
+            # The text of a link says where it leads: to a page that explains the word.
+            text = plain(re.sub(r"\[[^\]]*\]\([^)]*\)", "", cell.text))
             for other in longer:
                 text = re.sub(re.escape(other), "", text, flags=re.I)
             if linked(term, cell.text):

@@ -134,6 +134,13 @@ def check(
     static: Static,
     straight: Straight,
     geometry: Geometry,
+    gyroscope_scale_percent: Annotated[
+        float,
+        typer.Option(
+            help="Standard deviation of the gyroscopes' scale factors: 1 as they leave the "
+            "factory, 0.3 to 0.5 where the maker calibrates them."
+        ),
+    ] = 1.0,
     sampling_rate_hz: Rate = None,
     unit: Units = None,
     strict: Strict = False,
@@ -149,7 +156,13 @@ def check(
         (trial, static, straight), sampling_rate_hz, fill_gaps_s, unit, strict
     )
     calibration = _calibrated(drive, still, line)
-    found = check_geometry(drive, chair, calibration.mount, offsets=calibration.offsets)
+    found = check_geometry(
+        drive,
+        chair,
+        calibration.mount,
+        offsets=calibration.offsets,
+        gyr_scale_sd=gyroscope_scale_percent / 100,
+    )
     warn(calibration.warnings)
     typer.echo(check_text(found))
     summarize([read_line(drive), *check_lines(found)], quiet)

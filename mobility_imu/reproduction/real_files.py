@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 from mobility_imu.datasets.catalogue import find_dataset
+from mobility_imu.datasets.folders import find_folder
 from mobility_imu.errors import InputError
 
 Numbers = dict[str, Any]
+FROZEN = "d5e260b"
+"""Commit at which the settings were fixed, before anybody ran the recordings held back."""
 
 
 def origin_of(dataset: str) -> str:
@@ -67,3 +70,36 @@ def lacking_files(folder: Path, names: Iterable[str]) -> list[str]:
     list of str
     """
     return [name for name in names if not (folder / name).is_file()]
+
+
+def held_study(
+    dataset: str,
+    record: str,
+    files: Callable[[Path], list[str]],
+    compute: Callable[[Path], Numbers],
+) -> Numbers | None:
+    """Record of recordings that were held back until the settings were fixed.
+
+    Parameters
+    ----------
+    dataset : name by which it is fetched
+    record : name of the record
+    files : gives the files that are read from a folder; all of them have to be there
+    compute : gives ``rows``, ``summary`` and what else the record keeps, from that folder
+
+    Returns
+    -------
+    dict with ``numbers`` and ``inputs``, or None if a file of the record is not here
+    """
+    folder = find_folder(dataset)
+    names = [] if folder is None else files(folder)
+    if folder is None or not names or lacking_files(folder, names):
+        return None
+    numbers = {
+        "origin": origin_of(dataset),
+        "command": f"python -m mobility_imu.reproduction.recorded {record}",
+        "frozen": FROZEN,
+        "files": checksums(folder, names),
+        **compute(folder),
+    }
+    return {"numbers": numbers, "inputs": numbers["files"]}

@@ -80,7 +80,7 @@ def real_records(found: RealScorecard) -> list[dict[str, Any]]:
 
 def _set_record(one: Recomputed, outcomes: Sequence[Outcome]) -> dict[str, Any]:
     real, record = one.real, real_record(one.real.record)
-    rows = [o for o in outcomes if o.claim.where.startswith(real.title)]
+    rows = [o for o in outcomes if o.claim.where == real.title]
     return {
         "record": real.record,
         "dataset": real.dataset,

@@ -119,6 +119,25 @@ STUDIES: dict[str, Study] = {
         "0 to 3 for the simulated walks",
         reads_recordings=True,
     ),
+    **{
+        f"held_{name}": Study(
+            f"mobility_imu.reproduction.{work}.held",
+            f"held_{name}",
+            "none: nothing is drawn",
+            reads_recordings=True,
+        )
+        for work, names in (
+            ("wheelchair", ("drives", "chairs", "car")),
+            ("walker", ("walks", "feet")),
+        )
+        for name in names
+    },
+    "dropped_chairs": Study(
+        "mobility_imu.reproduction.wheelchair.held",
+        "dropped_chairs",
+        "none: nothing is drawn",
+        reads_recordings=True,
+    ),
     "level_real": Study(
         "mobility_imu.reproduction.real_level",
         "level_real",
@@ -306,7 +325,7 @@ def main(arguments: list[str] | None = None) -> None:
     with ProcessPoolExecutor(given.workers, mp_context=get_context("spawn")) as pool:
         for name in given.names or STUDIES:
             path = write_record(name, pool)
-            print(f"{name}: {path or 'not renewed, its recording is not there'}")
+            print(f"{name}: {path or 'not renewed, its recordings are not all there'}")
 
 
 if __name__ == "__main__":

@@ -57,8 +57,9 @@ class Trajectory(Result):
     rotation_body_to_world : (n, 3, 3) array
     stationary : (n,) bool array
     position_sd_m : (n, 3) array, m, standard deviation of the position along each axis; with the
-        sensor's scale and the mount's errors, as far as the mount states them, but not with creep
-        or slip of the tips, which no IMU sees
+        what wrong scales of the sensor do to lengths and headings (SCALE_SD), and the mount's
+        errors, as far as the mount states them, but not with creep or slip of the tips, which no
+        IMU sees
     yaw_sd_rad : (n,) array, rad. On walks with turns, where SCALE_SD counts, simulated errors are
         0.9 of it. At the end of a straight corridor they are a quarter: the filter's noise is three
         times the gyroscope's, and it allows for a resting frame that turns a little
@@ -296,7 +297,12 @@ def _estimate_one(
         )
     warnings += _far_off(mount, geometry)
     found = trajectory_from_path(
-        path, mount, settings=settings, stillness=stillness, warnings=warnings
+        path,
+        mount,
+        settings=settings,
+        stillness=stillness,
+        warnings=warnings,
+        closed_loop=closed_loop,
     )
     if rests is not None:
         found = replace(found, stillness=None)
@@ -352,6 +358,7 @@ def trajectory_from_path(
     settings: NavigationSettings | None = None,
     stillness: StillnessSettings | None = None,
     warnings: Sequence[str] = (),
+    closed_loop: ClosedLoop | None = None,
 ) -> Trajectory:
     """Like :func:`estimate_trajectory`, for an existing path of the IMU.
 
@@ -361,6 +368,7 @@ def trajectory_from_path(
     mount : WalkerMount
     settings, stillness : what the path was found with; the result carries them
     warnings : of the path; they stand first on the result
+    closed_loop : that the path was found with
 
     Returns
     -------
@@ -374,7 +382,9 @@ def trajectory_from_path(
     to_start = np.array([[east, north, 0.0], [-north, east, 0.0], [0.0, 0.0, 1.0]])
     position = (place - place[first]) @ to_start.T
     attitude = to_start @ body_to_world
-    sd, yaw_sd = _standard_deviations(path, mount, to_start, position, attitude)
+    sd, yaw_sd = _standard_deviations(
+        path, mount, to_start, position, attitude, tied=closed_loop is not None
+    )
     backward = _backward_fraction(position, attitude, path.still)
     if backward > 0.8:
         notes.append(
@@ -399,6 +409,8 @@ def _standard_deviations(
     to_start: FloatArray,
     position: FloatArray,
     attitude: FloatArray,
+    *,
+    tied: bool,
 ) -> tuple[FloatArray, FloatArray]:
     """Standard deviations of the position along the axes of the start, and of the heading."""
     variance = path.sd[:, 6:9] ** 2
@@ -411,14 +423,36 @@ def _standard_deviations(
     first = int(np.argmax(path.still))
     if mount.translation_sd_m is not None:
         variance += (attitude - attitude[first]) ** 2 @ mount.translation_sd_m**2
-    # The sensor's scale errs along the way gone, the mount's heading across it.
+    # The accelerometer's scale errs along the way gone, the mount's heading across it.
     variance += (SCALE_SD * position) ** 2
     if mount.rotation_sd_rad is not None:
         variance[:, :2] += (mount.rotation_sd_rad[2] * position[:, 1::-1]) ** 2
     up = path.rotation_imu_to_world()[:, 2]
     yaw_sd = 2 * np.sqrt(np.einsum("ni,ni->n", up**2, path.sd[:, :3] ** 2))
     heading = np.unwrap(np.arctan2(attitude[:, 1, 0], attitude[:, 0, 0]))
+    variance[:, :2] += (SCALE_SD * _led_astray(position, attitude, tied)) ** 2
     return np.sqrt(np.maximum(variance, 0)), np.hypot(yaw_sd, SCALE_SD * np.abs(heading))
+
+
+def _led_astray(position: FloatArray, attitude: FloatArray, tied: bool) -> FloatArray:
+    """Error of the position per error of the gyroscope's scale, (n, 2) array, m.
+
+    A scale factor that is 1 % too large makes each heading wrong by 1 % of what was turned about
+    the vertical since the start, and each piece of the way that is gone with it: one constant,
+    which no average makes smaller. A path that is tied to its start at the end has what is left
+    over there spread along the way.
+    """
+    pieces = np.diff(position[:, :2], axis=0)
+    # About the vertical, however the frame is tilted: its heading may jump where the rate does not.
+    steps = attitude[1:] @ np.swapaxes(attitude[:-1], 1, 2)
+    turns = np.arctan2(steps[:, 1, 0] - steps[:, 0, 1], steps[:, 0, 0] + steps[:, 1, 1])
+    turned = (np.cumsum(turns) - turns / 2)[:, None]
+    astray = np.zeros((len(position), 2))
+    np.cumsum(turned * np.column_stack([-pieces[:, 1], pieces[:, 0]]), axis=0, out=astray[1:])
+    if tied:
+        gone = np.r_[0.0, np.cumsum(np.linalg.norm(pieces, axis=1))]
+        astray -= np.outer(gone / max(gone[-1], 1e-9), astray[-1])
+    return astray
 
 
 def _backward_fraction(

@@ -3,8 +3,8 @@
 With the no-slip speeds of the wheel centres, r_R Om_R - r_L Om_L = d_c * yaw + c * V + o. A
 least-squares fit gives the distance d_c that the data have, with c the mismatch of the radii, and
 with o what is left of the gyroscopes' offsets, which are found at rest and taken off; the rate
-across the axle gives the camber, whatever the distances are. A gyroscope that reads 0.3 % too much
-cannot be told from a radius or a distance that is 0.3 % off: the standard deviations hold that.
+across the axle gives the camber, whatever the distances are. A gyroscope that reads 1 % too much
+cannot be told from a radius or a distance that is 1 % off: the standard deviations hold that.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from scipy import ndimage
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.filters import rms
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, as_number
 from mobility_imu.offsets import (
     GyroscopeOffset,
     merge_offsets,
@@ -57,10 +57,13 @@ CAMBER_TOLERANCE_RAD = float(np.deg2rad(2.0))
 RADIUS_TOLERANCE = 0.005
 LARGEST_MISMATCH = 0.2
 """No two wheels of a pair differ by more in radius."""
-# Assumed errors of a gyroscope's scale factors and axes; a drive cannot show them. The data sheets
-# of the usual sensors do not state them; the simulated MTI-1 is drawn with these.
-GYROSCOPE_SCALE_SD = 0.003
-GYROSCOPE_MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))
+GYROSCOPE_SCALE_SD = 0.01
+"""Assumed error of a gyroscope's scale factor as it leaves the factory.
+
+The data sheet of the MPU-6050 (PS-MPU-6000A-00, 6.1) allows 3 %, taken as three standard
+deviations."""
+GYROSCOPE_AXIS_SD_RAD = 0.02 / 3
+"""Assumed lean of its axes toward each other, from the 2 % cross-axis sensitivity of that sheet."""
 BLOCK_S = 1.0
 """Residuals last about a push; those of one block are taken together."""
 # Below this, track, mismatch of the radii and offset cannot be told apart.
@@ -136,14 +139,18 @@ def check_geometry(
     mount: WheelchairMount,
     *,
     offsets: Mapping[str, GyroscopeOffset] | None = None,
+    gyr_scale_sd: float = GYROSCOPE_SCALE_SD,
+    gyr_axis_sd_rad: float = GYROSCOPE_AXIS_SD_RAD,
 ) -> GeometryCheck:
     """Compare the wheels with the frame over a drive with turns.
 
     The absolute size of the radii cannot be checked this way: only a known distance shows it. The
-    standard deviations hold the scatter of the residuals, and gyroscopes whose scale factors are
-    known to GYROSCOPE_SCALE_SD. With that, radii that differ by less than 1.3 % from what is given
-    are not reported. A drive that turns by less than a whole turn in all, or tells the track less
-    well than a tape, judges nothing, and says so.
+    standard deviations hold the scatter of the residuals, and scale factors and axes of the
+    gyroscopes that are known to ``gyr_scale_sd`` and ``gyr_axis_sd_rad``: a drive cannot show
+    them. With the defaults radii that differ by less than about 4 % from what is given are not
+    reported; with 0.003, of a sensor that its maker calibrated, less than about 1.3 %. A drive that
+    turns by less than a whole turn in all, or whose scatter tells the track less well than a tape,
+    judges nothing, and says so.
 
     Parameters
     ----------
@@ -153,6 +160,9 @@ def check_geometry(
         :func:`~mobility_imu.wheelchair.calibration.calibrate_mount`
     offsets : sensor to GyroscopeOffset of other recordings of that day, such as
         ``calibration.offsets``; offsets are found at rest and taken off in any case
+    gyr_scale_sd : fraction, standard deviation of each gyroscope's scale factors; the default is
+        of a sensor as it leaves the factory, makers that calibrate theirs state 0.003 to 0.005
+    gyr_axis_sd_rad : rad, of the lean of its axes toward each other
 
     Returns
     -------
@@ -167,6 +177,10 @@ def check_geometry(
     expect("recording", recording, Recording)
     expect("geometry", geometry, WheelchairGeometry)
     expect("mount", mount, WheelchairMount)
+    gyroscopes = _Gyroscopes(
+        as_number(gyr_scale_sd, "gyr_scale_sd", zero=True),
+        as_number(gyr_axis_sd_rad, "gyr_axis_sd_rad", zero=True),
+    )
     names = ("frame", *(f"{side}_wheel" for side in SIDES))
     merged = merge_offsets(rest_offsets(recording, names), dict(offsets or {}))
     found = {name: merged[name] for name in names if name in merged}
@@ -185,7 +199,9 @@ def check_geometry(
     agreement = _agreement(
         yaw, (right - left) / geometry.wheel_centre_distance_m, recording.sampling_rate_hz, usable
     )
-    parts = _Parts(recording, yaw, wheels[0], wheels[1], (left + right) / 2, right - left, usable)
+    parts = _Parts(
+        recording, yaw, wheels[0], wheels[1], (left + right) / 2, right - left, usable, gyroscopes
+    )
     verdict = _verdict(parts, geometry, mount, found, agreement)
     return GeometryCheck(
         **agreement,
@@ -193,6 +209,33 @@ def check_geometry(
         geometry=geometry,
         offsets=found,
     )
+
+
+class _Gyroscopes(NamedTuple):
+    """Standard deviations of the scale factors (fraction) and of the axes' lean, rad."""
+
+    scale_sd: float
+    axis_sd_rad: float
+
+    def gain_sd(self, axis_imu: FloatArray) -> float:
+        """Relative uncertainty of the rate about an axis, from those of the scale and the axes."""
+        share = np.outer(axis_imu, axis_imu) ** 2
+        on_axes = float(np.trace(share))
+        across = max(float(share.sum()) - on_axes, 0.0)
+        return float(np.hypot(self.scale_sd * np.sqrt(on_axes), self.axis_sd_rad * np.sqrt(across)))
+
+
+class _Distances(NamedTuple):
+    """What the fit says of wheel centres and radii, with standard deviations.
+
+    ``told_sd_m`` is that of the distance if the gyroscopes had no errors: the drive's own scatter.
+    """
+
+    distance_m: float
+    distance_sd_m: float
+    mismatch: float
+    mismatch_sd: float
+    told_sd_m: float
 
 
 class _Parts(NamedTuple):
@@ -208,6 +251,7 @@ class _Parts(NamedTuple):
     speed: FloatArray
     apart: FloatArray
     usable: NDArray[np.bool_]
+    gyroscopes: _Gyroscopes
 
 
 def _agreement(
@@ -263,14 +307,13 @@ def _verdict(
         if agreement["correlation"] < -0.5:
             sentences.append(_swapped(agreement["gain"]))
         return {"warnings": tuple(sentences)}
-    distance, distance_sd, mismatch, mismatch_sd = _distances(
-        parts, geometry, mount, offsets, turning
-    )
-    if distance_sd > TRACK_TOLERANCE_M and distance > 3 * distance_sd:
+    fitted = _distances(parts, geometry, mount, offsets, turning)
+    distance, distance_sd, mismatch, mismatch_sd, told_sd = fitted
+    if told_sd > TRACK_TOLERANCE_M and distance > 3 * distance_sd:
         return {
             "warnings": (
                 "turns too little to judge the geometry: wheels and frame agree so badly that the "
-                f"track could be told to {distance_sd:.3f} m only, expected {TRACK_TOLERANCE_M} m",
+                f"track could be told to {told_sd:.3f} m only, expected {TRACK_TOLERANCE_M} m",
             )
         }
     gains = [
@@ -281,10 +324,16 @@ def _verdict(
         else float("nan")
         for way in (turning & (parts.yaw > 0), turning & (parts.yaw < 0))
     ]
-    yaw_gain_sd = _gain_sd(mount.rotation_frame_imu_to_chair[2])
-    camber, camber_sd = _camber(parts.left, parts.right, parts.yaw, turning, yaw_gain_sd)
+    camber, camber_sd = _camber(
+        parts.left,
+        parts.right,
+        parts.yaw,
+        turning,
+        parts.gyroscopes.gain_sd(mount.rotation_frame_imu_to_chair[2]),
+        parts.gyroscopes.scale_sd,
+    )
     sentences = [
-        *_on_distances(geometry, distance, distance_sd, mismatch, mismatch_sd),
+        *_on_distances(geometry, fitted),
         *_on_camber(geometry, camber, camber_sd),
     ]
     return {
@@ -309,8 +358,8 @@ def _distances(
     mount: WheelchairMount,
     offsets: Mapping[str, GyroscopeOffset],
     turning: NDArray[np.bool_],
-) -> tuple[float, float, float, float]:
-    """Distance of the wheel centres and mismatch of the radii, each with its standard deviation."""
+) -> _Distances:
+    """Distance of the wheel centres and mismatch of the radii."""
     recording, yaw, speed = parts.recording, parts.yaw, parts.speed
     moving = turning | (parts.usable & (np.abs(speed) > 0.2))
     design = np.column_stack([yaw, speed, np.ones(len(yaw))])[moving]
@@ -332,15 +381,23 @@ def _distances(
     if all(name in offsets for name in axes):
         left_over = [offsets[name].sd_along(axis) for name, axis in axes.items()]
         found, covariance = _known(found, covariance, 2, float(np.hypot.reduce(left_over)))
-    left, right = (_gain_sd(mount.rotation_imu_to_wheel(side)[2]) for side in SIDES)
+    gain_sd = parts.gyroscopes.gain_sd
+    left, right = (gain_sd(mount.rotation_imu_to_wheel(side)[2]) for side in SIDES)
     # Gains g of the wheels change the difference of their speeds by (g_R - g_L) V, and by
     # (g_R + g_L) / 2 of what the turn makes of it.
     by_wheels = np.hypot(left, right)
-    by_turn = np.hypot(by_wheels / 2, _gain_sd(mount.rotation_frame_imu_to_chair[2]))
+    by_turn = np.hypot(by_wheels / 2, gain_sd(mount.rotation_frame_imu_to_chair[2]))
     mismatch, mismatch_sd = found[1], np.hypot(np.sqrt(covariance[1, 1]), by_wheels)
+    _, told = _known(found, covariance, 1, RADIUS_RATIO_SD)
     found, covariance = _known(found, covariance, 1, float(np.hypot(RADIUS_RATIO_SD, by_wheels)))
     distance_sd = np.hypot(np.sqrt(covariance[0, 0]), found[0] * by_turn)
-    return float(found[0]), float(distance_sd), float(mismatch), float(mismatch_sd)
+    return _Distances(
+        float(found[0]),
+        float(distance_sd),
+        float(mismatch),
+        float(mismatch_sd),
+        float(np.sqrt(told[0, 0])),
+    )
 
 
 def _known(
@@ -360,14 +417,9 @@ def _known(
     )
 
 
-def _on_distances(
-    geometry: WheelchairGeometry,
-    distance: float,
-    distance_sd: float,
-    mismatch: float,
-    mismatch_sd: float,
-) -> list[str]:
+def _on_distances(geometry: WheelchairGeometry, fitted: _Distances) -> list[str]:
     """Sentences on track and radii that do not fit, or on swapped sensors."""
+    distance, distance_sd, mismatch, mismatch_sd, _ = fitted
     if distance < -max(TRACK_TOLERANCE_M, 3 * distance_sd):
         gain = distance / geometry.wheel_centre_distance_m
         return [_swapped(gain)]
@@ -430,25 +482,13 @@ def _fit(
     return found, bread @ (sums.T @ sums) @ bread * len(starts) / unexplained
 
 
-def _gain_sd(axis_imu: FloatArray) -> float:
-    """Relative uncertainty of the rate about an axis, from those of the sensor's scale and axes."""
-    share = np.outer(axis_imu, axis_imu) ** 2
-    on_axes = float(np.trace(share))
-    across = float(share.sum()) - on_axes
-    return float(
-        np.hypot(
-            GYROSCOPE_SCALE_SD * np.sqrt(on_axes),
-            GYROSCOPE_MISALIGNMENT_SD_RAD * np.sqrt(max(across, 0.0)),
-        )
-    )
-
-
 def _camber(
     left: FloatArray,
     right: FloatArray,
     yaw: FloatArray,
     turning: NDArray[np.bool_],
     yaw_gain_sd: float,
+    scale_sd: float,
 ) -> tuple[float, float]:
     """Camber from cos(camber) = rate across the axle / yaw rate, both wheels.
 
@@ -464,7 +504,7 @@ def _camber(
     ]
     # The wheels differ by what their gyroscopes read; the frame's errs for both alike. A wheel's
     # two axes across the axle take turns, so that their scale factors are averaged.
-    by_wheels = max(abs(cosines[0] - cosines[1]) / 2, GYROSCOPE_SCALE_SD / 2)
+    by_wheels = max(abs(cosines[0] - cosines[1]) / 2, scale_sd / 2)
     spread = float(np.hypot(by_wheels, yaw_gain_sd))
     cosine = min(float(np.mean(cosines)), 1.0)
     camber = float(np.arccos(cosine))

@@ -11,7 +11,8 @@ from mobility_imu.datasets.folders import CACHE_VARIABLE, RECORDINGS_VARIABLE, f
 from mobility_imu.errors import InputError
 from mobility_imu.reproduction import real, real_claims, recorded
 from mobility_imu.reproduction.claims import BASES, Why, check
-from mobility_imu.reproduction.real import REAL_SETS, RealRecord, differing, recompute
+from mobility_imu.reproduction.differences import differing
+from mobility_imu.reproduction.real import REAL_SETS, RealRecord, recompute
 from mobility_imu.reproduction.real_claims import REAL_BASIS, ROWS, Sides
 from mobility_imu.reproduction.real_scorecard import print_real, real_records, real_scorecard
 from mobility_imu.reproduction.scooter import real_hinges

@@ -13,10 +13,12 @@ from scipy import stats
 from scipy.spatial.transform import Rotation
 from walker_recordings import FRAME, changed, rebuilt
 
+from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.tables import POSES, pose_mount
 from mobility_imu.simulation.sensor import IDEAL, MTI_1, without
 from mobility_imu.simulation.walker import (
     CORRIDOR,
+    REALISTIC,
     RECTANGLE,
     Leg,
     attach_imu,
@@ -32,7 +34,7 @@ from mobility_imu.walker import (
 from mobility_imu.walker.arc_fit import arm_noise, fit_arc
 from mobility_imu.walker.calibration import _birge_factor, _heading_sd, calibrate_from_path
 from mobility_imu.walker.follow import navigate_recording
-from mobility_imu.walker.trajectory import trajectory_from_path
+from mobility_imu.walker.trajectory import _led_astray, trajectory_from_path
 
 
 def rms(ratios):
@@ -369,3 +371,41 @@ def test_a_known_heading_at_the_end_draws_the_path_there():
         sd.append(2 * np.rad2deg(np.sqrt(up**2 @ path.sd[-1, :3] ** 2)))
     assert 3.0 < error[0] < 4.2
     assert error[1] < 0.3 and sd[1] < 0.15 < sd[0]
+
+
+@pytest.mark.parametrize("tied", [None, ClosedLoop()])
+def test_a_wrong_scale_of_the_gyroscope_leads_the_path_astray_as_computed(tied):
+    """A gyroscope that reads 1 % too much, around a rectangle: to a tenth, first order."""
+    motion = simulate_walk(RECTANGLE, seed=3)
+    run = attach_imu(motion, pose_mount("2"), IDEAL, seed=1, unit_seed=1)
+    imu = run.recording.sensor("frame")
+    gyr = run.recording.gyroscope("frame")
+    wrong = Recording(run.recording.time_s, {"frame": Imu(imu.acc_mps2, 1.01 * gyr)})
+    right, astray = (
+        estimate_trajectory(one, None, pose_mount("2"), closed_loop=tied)
+        for one in (run.recording, wrong)
+    )
+    computed = 0.01 * _led_astray(right.position_m, right.rotation_body_to_world, tied is not None)
+    if tied is None:
+        found = (astray.position_m - right.position_m)[-1, :2]
+        assert np.linalg.norm(found) > 0.1
+        assert np.linalg.norm(found - computed[-1]) < 0.1 * np.linalg.norm(found)
+    else:
+        assert np.allclose(computed[[0, -1]], 0, atol=1e-9)
+        assert right.horizontal_sd_m[-1] < 0.1
+
+
+def test_the_end_of_a_rectangle_lies_inside_its_stated_interval():
+    """20 frames and sensors with errors of scale and axes: of 40 numbers 34 or more, 95 % stated.
+
+    Both numbers of a walk go together: 20 independent ones give 16 or fewer once in 60 times.
+    """
+    inside = []
+    for seed in range(8000, 8020):
+        motion = simulate_walk(RECTANGLE, seed=seed, imperfections=REALISTIC)
+        run = attach_imu(motion, pose_mount("2"), MTI_1, seed=seed, unit_seed=seed)
+        found = estimate_trajectory(run.recording, None, pose_mount("2"))
+        off = (found.position_m[-1] - found.position_m[0])[:2]
+        off = off - (run.position_body_m[-1] - run.position_body_m[0])[:2]
+        inside += (np.abs(off) < 1.96 * found.position_sd_m[-1, :2]).tolist()
+    assert np.mean(inside) >= 0.85

@@ -75,9 +75,12 @@ def changed(**values):
     )
 
 
+CALIBRATED = {"gyr_scale_sd": 0.003, "gyr_axis_sd_rad": float(np.deg2rad(0.1))}
+
+
 class TestGeometryCheck:
     def test_right_geometry_passes(self, court):
-        found = check_geometry(court[0].recording, CHAIR, court[1].mount)
+        found = check_geometry(court[0].recording, CHAIR, court[1].mount, **CALIBRATED)
         assert found.warnings == ()
         assert found.yaw_gain_left == pytest.approx(1, abs=0.002)
         assert found.yaw_gain_right == pytest.approx(1, abs=0.002)
@@ -86,25 +89,29 @@ class TestGeometryCheck:
         assert found.camber_rad == pytest.approx(CHAIR.camber_rad, abs=found.camber_sd_rad)
 
     def test_wrong_track_is_named_with_its_size(self, court):
-        found = check_geometry(court[0].recording, changed(track_m=0.86), court[1].mount)
+        found = check_geometry(
+            court[0].recording, changed(track_m=0.86), court[1].mount, **CALIBRATED
+        )
         assert found.track_m == pytest.approx(0.84, abs=0.002)
         (message,) = found.warnings
         assert "0.840 m, not 0.860 m" in message and "-0.020 m" in message
 
     def test_both_radii_too_large(self, court):
         wrong = changed(wheel_radius_left_m=0.3147 * 1.03, wheel_radius_right_m=0.3195 * 1.03)
-        (message,) = check_geometry(court[0].recording, wrong, court[1].mount).warnings
+        (message,) = check_geometry(
+            court[0].recording, wrong, court[1].mount, **CALIBRATED
+        ).warnings
         assert "both radii should be -2.9%" in message  # 1 / 1.03
 
     def test_one_radius_wrong(self, court):
         wrong = changed(wheel_radius_right_m=0.3195 * 0.98)
-        found = check_geometry(court[0].recording, wrong, court[1].mount)
+        found = check_geometry(court[0].recording, wrong, court[1].mount, **CALIBRATED)
         assert found.radius_ratio == pytest.approx(1 / 0.98, abs=0.002)
         assert any("right radius over the left" in message for message in found.warnings)
 
     def test_wrong_camber_shows_across_the_axles(self, court):
         found = check_geometry(
-            court[0].recording, changed(camber_rad=np.deg2rad(12)), court[1].mount
+            court[0].recording, changed(camber_rad=np.deg2rad(12)), court[1].mount, **CALIBRATED
         )
         assert any("camber of 19.0 deg, not 12.0 deg" in message for message in found.warnings)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from mobility_imu.datasets.folders import find_folder
 from mobility_imu.errors import InputError
-from mobility_imu.reproduction.real import differing, shown
+from mobility_imu.reproduction.differences import differing, shown
 from mobility_imu.reproduction.real_files import Numbers, checksums, lacking_files
 from mobility_imu.reproduction.recorded import load_record
 from mobility_imu.reproduction.scooter.real_hinges import (

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 from mobility_imu.datasets.folders import find_folder
 from mobility_imu.errors import InputError
+from mobility_imu.reproduction.differences import differing
 from mobility_imu.reproduction.real_files import checksums
 from mobility_imu.reproduction.recorded import load_record
 from mobility_imu.reproduction.walker import real_feet, real_walks
-from mobility_imu.reproduction.wheelchair.recorded_sample import differing
 
 Numbers = dict[str, Any]
 
@@ -100,7 +100,7 @@ def computed_again(name: str, every: int = 1) -> int:
         if any(numbers["files"][file] != sums[file] for file in names):
             continue
         found = source.kept(source.row(folder, one))
-        for place, value in differing(found, recorded):
+        for place, value, _ in differing(found, recorded, partial=True):
             raise InputError(
                 f"record {name}, {recorded['walk']}, {place}: the recording gives {value}; renew "
                 "the record"

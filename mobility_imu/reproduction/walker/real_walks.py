@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 DATASET = "labelled-walks"
+HELD_BACK = tuple(f"walk_{number:02d}" for number in (3, 6, 12, 15, 18, 21, 24, 27, 30))
+"""Walks that were not looked at until the settings were fixed; they have a record of their own."""
 NEAR_S = 1.0
 """A step belongs to a label if its middle is this near to the label's, and to one label only."""
 AROUND_S, SPEED_HZ = 4.0, 10.0

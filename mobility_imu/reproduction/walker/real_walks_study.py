@@ -17,6 +17,7 @@ from mobility_imu.reproduction.real_files import checksums, origin_of
 from mobility_imu.reproduction.walker.real_sensors import rounded, sensors_summary, spectra
 from mobility_imu.reproduction.walker.real_walks import (
     DATASET,
+    HELD_BACK,
     Walk,
     kept,
     load_walk,
@@ -226,7 +227,7 @@ def real_walks(executor: Any = None) -> dict[str, Any] | None:
     folder = find_folder(DATASET)
     if folder is None:
         return None
-    names = walk_names(folder)
+    names = [name for name in walk_names(folder) if name not in HELD_BACK]
     rows = run_all(walk_row, [(folder, name) for name in names], executor)
     levels = [(seed, level) for level in ("sensor", "realistic") for seed in SIMULATED_SEEDS]
     files = checksums(folder, [*(f"{n}.csv.gz" for n in names), "labelled_steps.csv", "mount.toml"])

@@ -204,7 +204,7 @@ def drive_row(folder: Path, ridden: Ridden) -> Numbers:
     left_on = estimate_velocity(
         recording, ridden.chair, ridden.calibration.mount, VelocitySettings(take_off_offsets=False)
     )
-    hand = BY_HAND[ridden.name]
+    hand = BY_HAND.get(ridden.name, (None, None, None))
     fastest = {
         name: float(np.rad2deg(np.abs(recording.gyroscope(name)).max()))
         for name in recording.sensors

@@ -106,24 +106,45 @@ def trial_names(folder: Path) -> list[str]:
     return [path.name.removesuffix(ending) for path in sorted(folder.glob(f"*{ending}"))]
 
 
+def is_held_back(name: str) -> bool:
+    """Whether a trial was not looked at until the settings were fixed: people with even numbers.
+
+    Parameters
+    ----------
+    name : of the trial
+
+    Returns
+    -------
+    bool
+    """
+    return int(name[1:3]) % 2 == 0
+
+
 def load_trial(folder: Path, name: str) -> Trial:
     """Read a trial, calibrate with the person's own cuts, find speed and yaw rate.
 
     Parameters
     ----------
     folder : of the data set
-    name : of the trial
+    name : of the trial, with the subfolder that it is in; what its person's trials share is in the
+        folder itself, or else in that subfolder
 
     Returns
     -------
     Trial
     """
-    person = name[:3]
+    place, _, label = name.rpartition("/")
+    person = label[:3]
+    own = folder if (folder / f"{person}_static.csv.gz").is_file() else folder / place
     static, straight, recording = (
-        read_recording(folder / f"{part}.csv.gz")
-        for part in (f"{person}_static", f"{person}_straight", name)
+        read_recording(path)
+        for path in (
+            own / f"{person}_static.csv.gz",
+            own / f"{person}_straight.csv.gz",
+            folder / f"{name}.csv.gz",
+        )
     )
-    chair = WheelchairGeometry.from_toml(folder / f"{person}_geometry.toml")
+    chair = WheelchairGeometry.from_toml(own / f"{person}_geometry.toml")
     cal = calibrate_mount(static, straight)
     drive = estimate_velocity(recording, chair, cal.mount, offsets=cal.offsets)
     truth = pd.read_csv(folder / f"{name}_truth.csv.gz")
@@ -139,7 +160,7 @@ def load_trial(folder: Path, name: str) -> Trial:
     wheel = recording.gyroscope("right_wheel") - drive.offsets["right_wheel"].offset_radps
     about = cal.mount.frame(gyr)
     return Trial(
-        name=name,
+        name=label,
         chair=chair,
         calibration=cal,
         recording=recording,
@@ -477,13 +498,14 @@ def real_numbers(folder: Path, names: list[str] | None = None) -> Numbers:
     Parameters
     ----------
     folder : of the data set
-    names : trials that are looked at; None takes all
+    names : trials that are looked at; None takes all that were not held back
 
     Returns
     -------
     dict with ``files``, ``rows``, ``summary``, ``series``, ``spectra``
     """
-    trials = [load_trial(folder, name) for name in names or trial_names(folder)]
+    names = names or [name for name in trial_names(folder) if not is_held_back(name)]
+    trials = [load_trial(folder, name) for name in names]
     held = held_out(trials)
     rows = [
         trial_row(t) | ({"speed_rms_held_out_mps": held[t.name]} if t.name in held else {})

@@ -8,10 +8,10 @@ from typing import Any
 
 from mobility_imu.datasets.folders import find_folder
 from mobility_imu.errors import InputError
+from mobility_imu.reproduction.differences import differing
 from mobility_imu.reproduction.real_files import Numbers, checksums
 from mobility_imu.reproduction.recorded import load_record
 from mobility_imu.reproduction.wheelchair import real_car, real_drives, real_mocap
-from mobility_imu.reproduction.wheelchair.recorded_sample import differing
 
 __all__ = ["REAL_RECORDS", "real_note", "real_numbers"]
 
@@ -48,7 +48,7 @@ def real_numbers(name: str) -> Numbers:
         found = compute(folder, [row[key] for row in recorded["rows"]])
         # A folder that was fetched holds the same numbers, maybe in files packed otherwise.
         found.pop("files")
-        for place, value in differing(found, recorded):
+        for place, value, _ in differing(found, recorded, partial=True):
             raise InputError(
                 f"record {name}, {place}: the recordings give {value}; renew the record"
             )

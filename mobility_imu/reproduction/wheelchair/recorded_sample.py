@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
 from typing import Any
 
 from mobility_imu.data import sample_folder
 from mobility_imu.errors import InputError
+from mobility_imu.reproduction.differences import differing
 from mobility_imu.reproduction.recorded import load_record
 from mobility_imu.reproduction.wheelchair.sample_study import PARTS, sample_checksum
 
 RECORD = "wheelmove_sample"
-# The last digit that is recorded may differ between processors.
-LARGEST_RELATIVE_CHANGE = 0.01
 
 
 def sample_numbers(part: str) -> dict[str, Any]:
@@ -40,7 +37,7 @@ def sample_numbers(part: str) -> dict[str, Any]:
                 f"{folder}: its files are not those of the recorded sample; "
                 "data/README.md says where the sample is to be had"
             )
-        for name, value in differing(PARTS[part](folder), recorded[part]):
+        for name, value, _ in differing(PARTS[part](folder), recorded[part], partial=True):
             raise InputError(
                 f"record {RECORD}, {part}.{name}: the sample gives {value}; renew the record"
             )
@@ -62,29 +59,3 @@ def sample_note() -> str:
         f"by {record['command']}\n"
         f"Computed again and compared where the sample is; here: {checked}."
     )
-
-
-def differing(found: Any, recorded: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Names and values of what was found and is not as recorded.
-
-    Parameters
-    ----------
-    found : nested dicts and lists of numbers and text; may lack entries of the record
-    recorded : the same, complete
-    name : of the place, for the result
-
-    Yields
-    ------
-    name, value found
-    """
-    if isinstance(found, dict) and isinstance(recorded, dict):
-        for key, value in found.items():
-            yield from differing(value, recorded.get(key), f"{name}.{key}".strip("."))
-    elif isinstance(found, list) and isinstance(recorded, list) and len(found) == len(recorded):
-        for k, (one, other) in enumerate(zip(found, recorded, strict=True)):
-            yield from differing(one, other, f"{name}[{k}]")
-    elif isinstance(found, float) and isinstance(recorded, int | float):
-        if not math.isclose(found, recorded, rel_tol=LARGEST_RELATIVE_CHANGE, abs_tol=1e-4):
-            yield name, found
-    elif found != recorded:
-        yield name, found
