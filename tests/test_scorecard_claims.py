@@ -40,8 +40,8 @@ def test_findings_of_rows_exist_and_are_of_the_same_work():
     ("given", "why"),
     [
         ({}, "our assumptions do not explain it"),
-        ({"finding": "K6"}, "the print contradicts itself"),
-        ({"finding": "K4"}, "the print is not right"),
+        ({"finding": "K6"}, "the text contradicts itself"),
+        ({"finding": "K4"}, "the text is not right"),
         (
             {"finding": "K6", "why": "our assumptions do not explain it"},
             "our assumptions do not explain it",
@@ -98,4 +98,4 @@ def test_the_command_says_what_its_totals_count(capsys):
     told = " ".join(capsys.readouterr().out.split())
     assert scorecard.NO_RECORDING in told
     assert "1 of 1 agree; a trivial model meets 1 of those that agree" in told
-    assert "settings copied" in told and "a setting taken from the print" in told
+    assert "settings copied" in told and "a setting taken from the text" in told

@@ -1,4 +1,4 @@
-"""Sphinx extension: the directives ``findings`` and ``finding-counts`` show findings.toml.
+"""Sphinx extension: ``findings``, ``finding-list`` and ``finding-counts`` show findings.toml.
 
 An entry shows its heading, verdict and consequence; quotation, reading and the numbers of its
 check are folded below. The check runs while the page is built.
@@ -96,6 +96,21 @@ class Findings(SphinxDirective):
         return box.children
 
 
+class FindingList(Findings):
+    """Titles of all findings of one work, each with a link to its entry."""
+
+    def run(self):
+        """Write the table in MyST."""
+        self.env.note_dependency(str(DATA))
+        lines = ["::::{list-table}", ":header-rows: 1", ":class: finding-check", ""]
+        lines += ["* - finding", "  - place and kind"]
+        for finding in source.findings(self.arguments[0]):
+            link = f"{{ref}}`{finding.id} <finding-{finding.id.lower()}>`"
+            lines += [f"* - {link} {finding.title}"]
+            lines += [f"  - {finding.place}: *{finding.kind}*"]
+        return self.parsed([*lines, "::::"])
+
+
 class FindingCounts(Findings):
     """Number of findings by work and kind."""
 
@@ -105,10 +120,10 @@ class FindingCounts(Findings):
         """Write the table in MyST."""
         self.env.note_dependency(str(DATA))
         counted = source.counts()
-        lines = ["::::{list-table}", ":header-rows: 1", "", "* - kind", "  - what it means"]
+        lines = ["::::{list-table}", ":header-rows: 1", ":class: finding-check", "", "* - kind"]
         lines += [f"  - {work}" for work in counted]
         for kind, meaning in source.KINDS.items():
-            lines += [f"* - *{kind}*", f"  - {meaning}"]
+            lines += [f"* - *{kind}*: {meaning}"]
             lines += [f"  - {counted[work][kind] or '–'}" for work in counted]
         return self.parsed([*lines, "::::"])
 
@@ -116,5 +131,6 @@ class FindingCounts(Findings):
 def setup(app):
     """Register the directives."""
     app.add_directive("findings", Findings)
+    app.add_directive("finding-list", FindingList)
     app.add_directive("finding-counts", FindingCounts)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

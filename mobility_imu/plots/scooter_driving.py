@@ -57,7 +57,7 @@ def plot_ride(ride: SimulatedRide, moving: NDArray[np.bool_], wire_deg: FloatArr
     time_s = ride.recording.time_s
     with use_style():
         figure, panels = plt.subplots(
-            3, 1, figsize=(8.4, 6.4), sharex=True, height_ratios=[1.25, 1.25, 1]
+            3, 1, figsize=(8.4, 5.4), sharex=True, height_ratios=[1.25, 1.25, 1]
         )
         for ax, name in zip(panels, ("lever", "body"), strict=False):
             acc = ride.recording.sensor(name).acc_mps2
@@ -200,7 +200,7 @@ def plot_time_series(series: Mapping[str, AnglesInTime]) -> Figure:
 
     with use_style():
         figure, panels = plt.subplots(
-            len(series), 2, figsize=(9.2, 1.75 * len(series) + 0.6), sharex="row", sharey="col"
+            len(series), 2, figsize=(9.2, 1.6 * len(series) + 0.6), sharex="row", sharey="col"
         )
         for row, (course, one) in zip(panels, series.items(), strict=True):
             for k, ax in enumerate(row):
@@ -340,7 +340,7 @@ def plot_errors(
                 if angle == "steering":
                     ax.set_title(course)
                 ax.set_xlabel("absolute error, deg")
-            row[0].set_ylabel(f"({letter}) {angle}\nshare of the time")
+            row[0].set_ylabel(f"({letter}) {angle}\nfraction of the time")
         panels[0, 0].set_ylim(0, 1)
         figure.legend(
             *panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2
@@ -393,6 +393,41 @@ def plot_p90(summaries: Mapping[str, pd.DataFrame], courses: Sequence[str]) -> F
         figure.legend(
             *panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4
         )
+    return figure
+
+
+def plot_effects(p90_deg: Mapping[str, Mapping[str, Mapping[str, float]]]) -> Figure:
+    """Plot the 90 % errors of one estimator under several conditions, as shaded numbers.
+
+    Parameters
+    ----------
+    p90_deg : condition to angle to course to 90 % error, deg
+
+    Returns
+    -------
+    Figure: one panel per angle; rows are conditions, columns are courses, shades are logarithmic
+    """
+    import matplotlib.pyplot as plt
+    from matplotlib.colors import LogNorm
+
+    conditions = list(p90_deg)
+    angles = list(p90_deg[conditions[0]])
+    courses = list(p90_deg[conditions[0]][angles[0]])
+    with use_style():
+        figure, panels = plt.subplots(
+            1, len(angles), figsize=(8.8, 0.6 + 0.29 * len(conditions)), sharey=True
+        )
+        for ax, angle in zip(panels, angles, strict=True):
+            values = np.array([list(p90_deg[row][angle].values()) for row in conditions])
+            ax.imshow(values, cmap="Blues", norm=LogNorm(0.5, 50, clip=True), aspect="auto")
+            for (y, x), value in np.ndenumerate(values):
+                colour = "white" if value > 12 else "black"
+                ax.text(x, y, f"{value:.1f}", ha="center", va="center", color=colour, fontsize=9)
+            ax.set(title=f"{angle}: 90 % error, deg", xticks=range(len(courses)))
+            ax.set_xticklabels(courses)
+            ax.set_yticks(range(len(conditions)), conditions)
+            ax.tick_params(length=0)
+            ax.grid(visible=False)
     return figure
 
 

@@ -177,7 +177,7 @@ def plot_ranks(
             ax.set_xticks([0, 0.5, 1])
         for ax in panels[:, 0]:
             ax.set_ylabel("tables")
-        figure.supxlabel("share of the draws below the true value", fontsize=10)
+        figure.supxlabel("fraction of the draws below the true value", fontsize=10)
     return figure
 
 

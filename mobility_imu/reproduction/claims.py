@@ -32,8 +32,8 @@ BASES: tuple[Basis, ...] = (
     "not reproducible",
 )
 Why = Literal[
-    "the print contradicts itself",
-    "the print is not right",
+    "the text contradicts itself",
+    "the text is not right",
     "right in another reading",
     "the text leaves it open",
     "our copy may be at fault",
@@ -105,7 +105,7 @@ class Claim:
     experiment : whether the statement is about what was measured in the work's experiment
     finding : id of the finding that explains a difference, "" if none
     needs_sample : whether the computation reads the public sample
-    copied : whether our number is a setting that we took from the print, so that agreement says
+    copied : whether our number is a setting that we took from the text, so that agreement says
         only that we copied it right
     simulated : for a row on real recordings, the same measure on our simulated ones, and for a row
         on sensors as bad as real ones the number with a data sheet's; NaN elsewhere

@@ -21,11 +21,11 @@ from mobility_imu.reproduction.claims import Work
 
 Kind = Literal["contradiction", "error", "ambiguity", "silence", "our copy"]
 KINDS: dict[Kind, str] = {
-    "contradiction": "two printed things cannot both hold",
+    "contradiction": "two statements of the text cannot both hold",
     "error": "one reading, and it is wrong",
     "ambiguity": "two readings, and the text does not decide",
     "silence": "the text does not say, and it matters",
-    "our copy": "a single token: our text copy may be at fault, not the print",
+    "our copy": "a single token: our text copy may be at fault, not the original",
 }
 """Kinds of findings and what each means."""
 

@@ -147,8 +147,8 @@ def to_records(outcomes: Iterable[Outcome]) -> list[dict[str, Any]]:
 
 
 REASONS: dict[Kind, Why] = {
-    "contradiction": "the print contradicts itself",
-    "error": "the print is not right",
+    "contradiction": "the text contradicts itself",
+    "error": "the text is not right",
     "ambiguity": "right in another reading",
     "silence": "the text leaves it open",
     "our copy": "our copy may be at fault",
@@ -233,7 +233,7 @@ def totals(outcomes: Sequence[Outcome]) -> pd.DataFrame:
     DataFrame
         Index work and basis, a column for each verdict, and two that count rows among those that
         agree: ``trivial too``, where a trivial model agrees as well, and ``settings copied``, where
-        our number is a setting taken from the print.
+        our number is a setting taken from the text.
     """
     import pandas as pd
 
@@ -330,7 +330,7 @@ def terminal() -> Console:
 
 COUNTED_AMONG = (
     "Among the rows that agree: trivial too, where a trivial model agrees as well; settings "
-    "copied, where our number is a setting taken from the print, so that only our "
+    "copied, where our number is a setting taken from the text, so that only our "
     "copying was checked."
 )
 """What the last two columns of the totals count."""
@@ -380,7 +380,7 @@ def row_table(outcomes: Iterable[Outcome], title: str) -> Table:
     for outcome in outcomes:
         claim, record = outcome.claim, _record(outcome)
         verdict = outcome.verdict + (f": {record['why']}" if record["why"] else "")
-        verdict += " (a setting taken from the print)" if claim.copied else ""
+        verdict += " (a setting taken from the text)" if claim.copied else ""
         colour = colours.get(outcome.verdict, "yellow")
         table.add_row(
             claim.work,

@@ -99,8 +99,8 @@ def test_reasons_blame_the_print_only_where_the_print_errs(outcomes):
     closing = [c for c in differ if c.what == "mean closing error of the rectangle"]
     assert {reason_of(c) for c in closing} == {"our assumptions do not explain it"}
     reasons = {c.finding: reason_of(c) for c in differ if c not in closing and c.finding}
-    assert reasons["K4"] == "the print is not right"
-    assert reasons["K6"] == "the print contradicts itself"
+    assert reasons["K4"] == "the text is not right"
+    assert reasons["K6"] == "the text contradicts itself"
     assert reasons["K12"] == "right in another reading"
     assert {reasons[k] for k in ("K1", "K3", "K5", "K10", "K11")} == {"our copy may be at fault"}
 

@@ -107,7 +107,7 @@ def test_rows_that_differ_are_those_with_a_finding(monkeypatch):
     assert all(claim.why is None for claim in differing)  # the kind of the finding says it
     assert {reason_of(claim) for claim in differing} == {
         "right in another reading",
-        "the print contradicts itself",
+        "the text contradicts itself",
         "the text leaves it open",
     }
 

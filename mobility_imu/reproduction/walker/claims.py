@@ -73,7 +73,7 @@ def _printed(
         unit,
         basis="published numbers recomputed",
         compute=compute,
-        why=None if fields.get("finding") else "the print contradicts itself",
+        why=None if fields.get("finding") else "the text contradicts itself",
         **fields,
     )
 

@@ -60,7 +60,7 @@ def _row(where: str, what: str, unit: str, compute: Callable[[], float], **field
         unit=unit,
         basis="computed by geometry alone",
         compute=compute,
-        why=None if fields.get("finding") else "the print is not right",
+        why=None if fields.get("finding") else "the text is not right",
         **(defaults | fields),
     )
 
