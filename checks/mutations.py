@@ -1,23 +1,28 @@
 """Mutations: small faults put into the estimators one at a time, each judged by its module's tests.
 
     python checks/mutations.py [--count 200] [--seed 12] [--workers 2] [--only MODULE ...]
+        [--leave-out MODULE ...] [--at MODULE:LINE ...]
 
 A mutation is killed if a test of the module's own files fails, or they no longer end in time. The
-draw is the same for the same seed and sources. Texts, annotations, messages of errors and what only
-the interpreter's import needs are left alone.
+draw is the same for the same seed and sources; a change in one module leaves what is drawn in the
+others as it is, but for the few at the draw's edge. ``--only``, ``--leave-out`` and ``--at``
+(single lines, to try a new test) choose from the draw. Texts, annotations, messages of errors and
+what only the interpreter's import needs are left alone. Recordings outside the repository are not
+used.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import hashlib
 import os
-import random
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -29,6 +34,7 @@ DEVICES = ("scooter", "wheelchair", "walker")
 LEFT_OUT = {"__init__"}
 COPIED = ("mobility_imu", "tests", "benchmarks", "book", "notebooks")
 FILES = ("pyproject.toml", "README.md", "CITATION.cff", "requirements.txt")
+OUTSIDE = ("MOBILITY_IMU_DATA", "MOBILITY_IMU_RECORDINGS", "MOBILITY_IMU_PAPERS")
 TIMES = 4.0
 """Tests that take so many times as long as without a mutation count as failed."""
 
@@ -219,17 +225,34 @@ def tests_of(module: Path) -> list[str]:
     return found
 
 
-def drawn(count: int, seed: int, only: list[str]) -> list[Mutation]:
-    """Mutations drawn over all places of all modules."""
-    places: list[Mutation] = []
+def drawn(count: int, seed: int) -> list[Mutation]:
+    """Mutations drawn over all places of all modules.
+
+    Each place has a number from the seed and the text around it; the smallest are drawn.
+    """
+    numbered: list[tuple[str, Mutation]] = []
     for module in modules():
         text = (ROOT / module).read_text()
         finder = Finder(str(module), text)
         finder.visit(ast.parse(text))
-        places += finder.found
-    chosen = random.Random(seed).sample(places, min(count, len(places)))
-    print(f"{len(places)} places in {len({m.path for m in places})} modules; {len(chosen)} drawn")
-    return sorted(m for m in chosen if not only or any(name in m.path for name in only))
+        lines, seen = text.splitlines(), Counter[str]()
+        for m in finder.found:
+            name = f"{seed} {m.path} {lines[m.line - 1].strip()} {m.old.strip()} {m.new.strip()}"
+            seen[name] += 1
+            numbered.append((hashlib.sha256(f"{name} {seen[name]}".encode()).hexdigest(), m))
+    chosen = sorted(numbered)[:count]
+    print(f"{len(numbered)} places in {len(modules())} modules; {len(chosen)} drawn")
+    return sorted(m for _, m in chosen)
+
+
+def wanted(m: Mutation, only: list[str], leave_out: list[str], at: list[str]) -> bool:
+    """Whether a mutation lies in the modules and lines that are asked for."""
+    lines = [place.rsplit(":", 1) for place in at]
+    return (
+        (not only or any(name in m.path for name in only))
+        and not any(name in m.path for name in leave_out)
+        and (not lines or any(name in m.path and int(line) == m.line for name, line in lines))
+    )
 
 
 def copy_of_the_project(folder: Path) -> Path:
@@ -250,6 +273,8 @@ def run(room: Path, tests: list[str], limit_s: float) -> tuple[bool, float]:
         **os.environ, "PYTHONPATH": str(room), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
         "PYTHONDONTWRITEBYTECODE": "1", "MOBILITY_IMU_MUTATIONS": "20",
     }  # fmt: skip
+    for name in OUTSIDE:
+        environment.pop(name, None)
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
     try:
         code = subprocess.run(
@@ -289,6 +314,7 @@ def survivors(mutations: list[Mutation], workers: int) -> Iterator[Mutation]:
                 rooms.put(room)
             if not passes:
                 raise SystemExit(f"{path}: its tests fail without a mutation")
+            print(f"     {seconds:5.1f} s  {path} without a mutation", flush=True)
             return TIMES * seconds + 60
 
         def judged(mutation: Mutation) -> tuple[Mutation, bool]:
@@ -322,9 +348,14 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--least", type=float, default=0.85, help="part that must be killed")
     parser.add_argument("--only", nargs="*", default=[], help="parts of module names")
+    parser.add_argument("--leave-out", nargs="*", default=[], help="parts of module names")
+    parser.add_argument("--at", nargs="*", default=[], help="part of a module's name:line")
     given = parser.parse_args()
-    mutations = drawn(given.count, given.seed, given.only)
+    drawn_all = drawn(given.count, given.seed)
+    mutations = [m for m in drawn_all if wanted(m, given.only, given.leave_out, given.at)]
     alive = list(survivors(mutations, given.workers))
+    for folder, (killed, all_) in counted(mutations, alive).items():
+        print(f"killed in {folder}: {killed} of {all_} ({killed / all_:.1%})")
     killed = 1 - len(alive) / len(mutations)
     print(f"killed: {len(mutations) - len(alive)} of {len(mutations)} ({killed:.1%}); alive:")
     for mutation in alive:
@@ -332,6 +363,14 @@ def main() -> int:
         same = [why for (path, part), why in EQUIVALENT.items() if path in text and part in text]
         print("  ", text, *(f"(may be the same: {why})" for why in same))
     return int(killed < given.least)
+
+
+def counted(mutations: list[Mutation], alive: list[Mutation]) -> dict[str, tuple[int, int]]:
+    """Of each folder, how many mutations were killed and how many there were."""
+    found: defaultdict[str, list[bool]] = defaultdict(list)
+    for mutation in mutations:
+        found[str(Path(mutation.path).parent)].append(mutation not in alive)
+    return {folder: (sum(marks), len(marks)) for folder, marks in found.items()}
 
 
 if __name__ == "__main__":
