@@ -356,13 +356,13 @@ def main() -> int:
     alive = list(survivors(mutations, given.workers))
     for folder, (killed, all_) in counted(mutations, alive).items():
         print(f"killed in {folder}: {killed} of {all_} ({killed / all_:.1%})")
-    killed = 1 - len(alive) / len(mutations)
-    print(f"killed: {len(mutations) - len(alive)} of {len(mutations)} ({killed:.1%}); alive:")
+    part = 1 - len(alive) / len(mutations)
+    print(f"killed: {len(mutations) - len(alive)} of {len(mutations)} ({part:.1%}); alive:")
     for mutation in alive:
         text = described(mutation)
         same = [why for (path, part), why in EQUIVALENT.items() if path in text and part in text]
         print("  ", text, *(f"(may be the same: {why})" for why in same))
-    return int(killed < given.least)
+    return int(part < given.least)
 
 
 def counted(mutations: list[Mutation], alive: list[Mutation]) -> dict[str, tuple[int, int]]:
