@@ -1,7 +1,7 @@
 """Mutations: small faults put into the estimators one at a time, each judged by its module's tests.
 
     python checks/mutations.py [--count 200] [--seed 12] [--workers 2] [--only MODULE ...]
-        [--leave-out MODULE ...] [--at MODULE:LINE ...]
+        [--leave-out MODULE ...] [--at MODULE:LINE ...] [--seconds FILE]
 
 A mutation is killed if a test of the module's own files fails, or they no longer end in time. The
 draw is the same for the same seed and sources; a change in one module leaves what is drawn in the
@@ -16,12 +16,12 @@ from __future__ import annotations
 import argparse
 import ast
 import hashlib
+import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
-import time
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -266,67 +266,66 @@ def copy_of_the_project(folder: Path) -> Path:
     return folder
 
 
-def run(room: Path, tests: list[str], limit_s: float) -> tuple[bool, float]:
-    """Whether the tests pass in a copy, and the seconds that they took."""
-    begun = time.time()
+def run(room: Path, seconds: Path, tests: list[str], limit_s: float) -> bool:
+    """Whether the tests pass in a copy within some seconds; the fast ones run first."""
     environment = {
-        **os.environ, "PYTHONPATH": str(room), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
-        "PYTHONDONTWRITEBYTECODE": "1", "MOBILITY_IMU_MUTATIONS": "20",
+        **os.environ, "PYTHONPATH": f"{room}{os.pathsep}{ROOT / 'checks'}",
+        "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "1",
+        "MOBILITY_IMU_MUTATIONS": "20", "MOBILITY_IMU_SECONDS": str(seconds),
     }  # fmt: skip
     for name in OUTSIDE:
         environment.pop(name, None)
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
+    command = [
+        *(sys.executable, "-m", "pytest", "-x", "-q"),
+        *("-p", "no:cacheprovider", "-p", "fastest_first", *tests),
+    ]
     try:
         code = subprocess.run(
             command, cwd=room, env=environment, timeout=limit_s,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         ).returncode  # fmt: skip
     except subprocess.TimeoutExpired:
-        return False, time.time() - begun
-    return code == 0, time.time() - begun
+        return False
+    return code == 0
 
 
-def judge(mutation: Mutation, room: Path, limit_s: float) -> bool:
+def judge(mutation: Mutation, room: Path, seconds: Path) -> bool:
     """Whether a mutation survives the tests of its module."""
-    path = room / mutation.path
+    path, tests = room / mutation.path, tests_of(Path(mutation.path))
+    known = json.loads(seconds.read_text())
+    usual = sum(took for name, took in known.items() if name.split("::")[0] in tests)
     raw = path.read_bytes()
     assert raw[mutation.begin : mutation.end].decode() == mutation.old
     path.write_bytes(raw[: mutation.begin] + mutation.new.encode() + raw[mutation.end :])
     try:
-        return run(room, tests_of(Path(mutation.path)), limit_s)[0]
+        return run(room, seconds, tests, TIMES * usual + 90)
     finally:
         path.write_bytes(raw)
 
 
-def survivors(mutations: list[Mutation], workers: int) -> Iterator[Mutation]:
-    """Judge all mutations; yields those that no test of their module noticed."""
+def survivors(mutations: list[Mutation], workers: int, kept: Path | None) -> Iterator[Mutation]:
+    """Judge all mutations; yields those that no test of their module noticed.
+
+    All tests are run once without a mutation before, unless their seconds are known.
+    """
     with tempfile.TemporaryDirectory() as folder:
         rooms: Queue[Path] = Queue()
         for k in range(workers):
             rooms.put(copy_of_the_project(Path(folder) / str(k)))
-        limits: dict[str, float] = {}
-
-        def limit_of(path: str) -> float:
-            room = rooms.get()
-            try:
-                passes, seconds = run(room, tests_of(Path(path)), 900)
-            finally:
-                rooms.put(room)
-            if not passes:
-                raise SystemExit(f"{path}: its tests fail without a mutation")
-            print(f"     {seconds:5.1f} s  {path} without a mutation", flush=True)
-            return TIMES * seconds + 60
+        seconds = kept.absolute() if kept else Path(folder) / "seconds.json"
+        if not seconds.is_file():
+            tests = sorted({test for m in mutations for test in tests_of(Path(m.path))})
+            if not run(Path(folder) / "0", seconds, tests, 3600):
+                raise SystemExit("the tests fail without a mutation")
 
         def judged(mutation: Mutation) -> tuple[Mutation, bool]:
             room = rooms.get()
             try:
-                return mutation, judge(mutation, room, limits[mutation.path])
+                return mutation, judge(mutation, room, seconds)
             finally:
                 rooms.put(room)
 
         with ThreadPoolExecutor(workers) as pool:
-            paths = sorted({m.path for m in mutations})
-            limits.update(zip(paths, pool.map(limit_of, paths), strict=True))
             for k, (mutation, survives) in enumerate(pool.map(judged, mutations)):
                 mark = "SURVIVES" if survives else "killed"
                 print(f"{k + 1:4d} {mark:8s} {described(mutation)}", flush=True)
@@ -350,10 +349,13 @@ def main() -> int:
     parser.add_argument("--only", nargs="*", default=[], help="parts of module names")
     parser.add_argument("--leave-out", nargs="*", default=[], help="parts of module names")
     parser.add_argument("--at", nargs="*", default=[], help="part of a module's name:line")
+    parser.add_argument(
+        "--seconds", type=Path, default=None, help="file of the tests' seconds; written if absent"
+    )
     given = parser.parse_args()
     drawn_all = drawn(given.count, given.seed)
     mutations = [m for m in drawn_all if wanted(m, given.only, given.leave_out, given.at)]
-    alive = list(survivors(mutations, given.workers))
+    alive = list(survivors(mutations, given.workers, given.seconds))
     for folder, (killed, all_) in counted(mutations, alive).items():
         print(f"killed in {folder}: {killed} of {all_} ({killed / all_:.1%})")
     part = 1 - len(alive) / len(mutations)

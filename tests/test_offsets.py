@@ -163,3 +163,30 @@ def test_wrong_shapes_are_refused():
     with pytest.raises(InputError, match="covariance"):
         GyroscopeOffset(np.zeros(3), -np.eye(3), np.zeros(3), 1.0)
     assert not rest_flags(acc[:50], gyr[:50], RATE_HZ).any()
+
+
+@pytest.mark.parametrize("blocks", [2, 3, 6])
+def test_without_scatter_the_noise_of_the_samples_is_the_uncertainty(blocks):
+    """Samples at plus and minus a: each half second has one mean, and neighbours differ by 2 a.
+
+    Of the mean of n samples with a variance of 2 a² that is 2 a²/n, in three directions, which
+    more than three blocks share; beside it stands the drift within a recording, 0.01 deg/s.
+    """
+    a = 0.03
+    gyr = OFFSET + a * np.where(np.arange(50 * blocks) % 2, 1, -1)[:, None]
+    found = gyroscope_offset(gyr, np.ones(len(gyr), bool), RATE_HZ)
+    np.testing.assert_allclose(found.offset_radps, OFFSET, atol=1e-12)
+    np.testing.assert_allclose(found.noise_radps, np.sqrt(2) * a)
+    variance = 2 * a**2 / len(gyr) * min(3 / blocks, 1) + np.deg2rad(0.01) ** 2
+    np.testing.assert_allclose(found.covariance, variance * np.eye(3), rtol=1e-9, atol=1e-18)
+    assert found.rest_s == pytest.approx(blocks / 2)
+
+
+@pytest.mark.parametrize("rate_hz", [1.0, 100.0])
+def test_one_block_alone_shows_no_scatter(rate_hz):
+    """Half a second, or the two samples of a slow recording; one more block is enough."""
+    block = 2 if rate_hz == 1.0 else 50
+    gyr = 0.001 * np.random.default_rng(1).standard_normal((2 * block, 3))
+    rest = np.ones(2 * block, bool)
+    assert gyroscope_offset(gyr[:block], rest[:block], rate_hz) is None
+    assert gyroscope_offset(gyr, rest, rate_hz) is not None

@@ -101,3 +101,39 @@ def test_mounting_file(tmp_path):
     path.write_text("[scooter.mount]\nrotation_lever_imu_to_lever = [[1, 0], [0, 1]]\n")
     with pytest.raises(InputError, match="expected 3 x 3 numbers"):
         ScooterMount.from_toml(path)
+
+
+def moved(parts, rate_hz=100):
+    """Recording of a level lever whose gyroscope reads each value about x for some seconds."""
+    gyr = np.concatenate([np.outer(np.atleast_1d(v) * np.ones(n), [1, 0, 0]) for v, n in parts])
+    acc = np.tile([0.0, 0.0, 9.8], (len(gyr), 1))
+    return Recording(np.arange(len(gyr)) / rate_hz, {"lever": Imu(acc, gyr)})
+
+
+def test_a_tenth_of_a_second_beside_every_move_is_left_out():
+    """At both ends, beyond what the mean over a fifth of a second takes."""
+    (still,) = find_stills(moved([(1.0, 100), (0.0, 200), (1.0, 99)]))
+    assert 118 <= still.start <= 122 and 278 <= still.stop <= 282
+
+
+@pytest.mark.parametrize(("rate_radps", "rests"), [(0.02, True), (0.028, True), (0.032, False)])
+def test_a_pose_rests_below_three_hundredths_of_a_radian_per_second(rate_radps, rests):
+    """A lever that trembles to and fro from one sample to the next."""
+    tremble = rate_radps * np.where(np.arange(300) % 2, 1.0, -1.0)
+    assert bool(find_stills(moved([(tremble, 300)]))) == rests
+
+
+@pytest.mark.parametrize(
+    "given", [[0.1, 0.2], [[0.1, 0.2, 0.3]], [[[0.1, 0.2]]], [[0.1, np.inf]], [[np.nan, 0.1]]]
+)
+def test_settings_that_are_no_pairs_of_angles_are_refused(given):
+    with pytest.raises(InputError, match="two finite numbers"):
+        parked_poses(moved([(0.0, 300)]), given)
+
+
+@pytest.mark.parametrize("vector", [[0.0, 0.0], np.eye(3), [0.0, 0.0, np.nan]])
+@pytest.mark.parametrize("name", ["lever_acc_mps2", "body_acc_mps2"])
+def test_a_pose_has_one_vector_of_each_sensor(name, vector):
+    usual = {"lever_acc_mps2": [0.0, 0.0, 9.8], "body_acc_mps2": [0.0, 0.0, 9.8]}
+    with pytest.raises(InputError, match=name):
+        ParkedPose(**{**usual, name: vector}, steering_rad=0.0, throttle_rad=0.0)

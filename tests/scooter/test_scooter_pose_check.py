@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
@@ -16,6 +17,7 @@ from mobility_imu.scooter import (
     estimate_angles,
     pose_uncertainty,
 )
+from mobility_imu.scooter.calibration import ParkedPose, mount_from_poses
 from mobility_imu.scooter.geometry import body_specific_force, lever_acceleration
 from mobility_imu.simulation.scooter import PARKED_POSES_RAD, draw_scooter, simulate_parked
 
@@ -110,6 +112,63 @@ def test_expected_uncertainty_is_that_of_drawn_errors():
         errors.append(np.column_stack([found.steering_rad, found.throttle_rad]) - POSES)
     # 400 draws: the rms of each is known to 3.5 %, sd; the worst of 30 is within four of these.
     assert np.allclose(np.sqrt(np.mean(np.square(errors), axis=0)) / expected, 1.0, atol=0.14)
+
+
+# Steering and throttle of the stops, and slopes, that a calibration is taken to have had.
+STOPS = np.deg2rad([[50, 0], [50, 40], [0, 40], [0, 0], [-50, 0], [-50, 40]])
+SLOPES_RAD = np.deg2rad([0.0, 5.0])
+
+
+def angles_with(errors, calibrated):
+    """Angles that are found in ``POSES`` on a slope, with errors of the sizes of ``IMUS``.
+
+    ``errors``: turns of lever's and body's IMU (6); offset and axes of both accelerometers
+    (2 x 12); alpha and beta (2); the stops 50, 0 and -50, then 0 and 40 degrees (5); changes of the
+    offsets since the calibration (6).
+    """
+    turns, of_sensors, inclinations, stops, changes = np.split(errors, [6, 30, 32, 37])
+    of_sensors, turns, changes = (e.reshape(2, -1) for e in (of_sensors, turns, changes))
+    real = ScooterGeometry(
+        *(
+            IMUS.geometry_sd_rad * inclinations
+            + [SUZUKI_ET4D.steering_inclination_rad, SUZUKI_ET4D.lever_inclination_rad]
+        )
+    )
+
+    def readings(body, poses, later):
+        for k, force in enumerate((lever_acceleration(body, *poses.T, real), body)):
+            seen = force @ Rotation.from_rotvec(IMUS.mount_sd_rad * turns[k]).as_matrix()
+            sd = np.where(np.eye(3) > 0, IMUS.acc_scale_sd, IMUS.acc_axes_sd_rad)
+            offset = IMUS.acc_offset_sd_mps2 * of_sensors[k, :3]
+            offset = offset + later * IMUS.acc_change_sd_mps2 * changes[k]
+            yield seen @ (np.eye(3) + sd * of_sensors[k, 3:].reshape(3, 3)).T + offset
+
+    body = np.tile(body_specific_force(0.03, 0.0), (len(POSES), 1))
+    lever, body = readings(body, POSES, later=calibrated)
+    if calibrated:
+        there = np.tile(STOPS, (2, 1))
+        off = np.column_stack([stops[np.repeat([0, 1, 2], 2)], stops[[3, 4, 4, 3, 3, 4]]])
+        held = there + IMUS.stop_sd_rad * np.tile(off, (2, 1))
+        at = np.stack([body_specific_force(pitch, 0.0) for pitch in np.repeat(SLOPES_RAD, 6)])
+        parked = [
+            ParkedPose(*vectors, *pose)
+            for *vectors, pose in zip(*readings(at, held, later=False), there, strict=True)
+        ]
+        mount = mount_from_poses(parked, SUZUKI_ET4D).mount
+        lever, body = mount.lever(lever), mount.body(body)
+    found = estimate_angles(lever, body, SUZUKI_ET4D)
+    assert found.valid.all()
+    return np.column_stack([found.steering_rad, found.throttle_rad])
+
+
+@pytest.mark.parametrize("calibrated", [True, False])
+def test_expected_uncertainty_is_the_root_of_the_sum_of_each_error_by_itself(calibrated):
+    """One error after the other goes through calibration and angles; nothing else is assumed."""
+    step = 0.001  # of one standard deviation, where all is linear
+    without = angles_with(np.zeros(43), calibrated)
+    each = [(angles_with(d, calibrated) - without) / step for d in step * np.eye(43)]
+    expected = pose_uncertainty(POSES, SUZUKI_ET4D, IMUS, calibrated=calibrated, pitch_rad=0.03)
+    assert np.sqrt(np.square(each).sum(axis=0)) == pytest.approx(expected, rel=0.01)
 
 
 def test_exact_readings_agree():

@@ -195,3 +195,48 @@ def test_an_offset_that_contradicts_the_rest_widens_the_uncertainty():
     after = check_geometry(changed, court.geometry, cal.mount, offsets=cal.offsets)
     assert after.track_sd_m > 1.5 * before.track_sd_m
     assert abs(after.track_m - court.geometry.track_m) < 3 * after.track_sd_m
+
+
+def test_the_lag_is_found_through_the_noise_of_samples():
+    """Turns of 0.9 rad/s every seven seconds; each sample's noise is half as large as they are.
+
+    The best that any estimate can do is 14 ms: sqrt(2) of the noise over the root mean square of
+    the turns' slope and the root of 6000 samples. The products of single samples alone do worse.
+    """
+    rng = np.random.default_rng(76)
+    time_s = np.arange(6000) / 100
+    errors = []
+    for late in (-0.1, 0.0, 0.1):
+        yaw, wheels = (0.9 * np.sin(0.9 * (time_s - by)) ** 3 for by in (0.0, late))
+        for _ in range(5):
+            noise = 0.45 * rng.standard_normal((2, len(time_s)))
+            errors.append(_lag(yaw + noise[0], wheels + noise[1], 100.0) - late)
+    assert rms(errors) < 0.03, errors
+
+
+def test_a_camber_of_zero_is_as_uncertain_as_its_cosine_makes_it():
+    """cos(c) = 1 - s has c = sqrt(2 s): an error s of the cosine hides a camber of that size."""
+    yaw, turning = np.linspace(0.5, 2.0, 200), np.ones(200, bool)
+    upright = np.column_stack([yaw, 0 * yaw, 0 * yaw])
+    for gain_sd in (0.003, 0.01):
+        camber, sd = _camber(upright, upright, yaw, turning, gain_sd)
+        hidden = np.arccos(1 - np.hypot(0.0015, gain_sd))
+        assert camber == 0 and 0.4 * hidden < sd < hidden
+
+
+def test_residuals_that_last_are_taken_in_blocks_of_a_second():
+    """A wheel whose rate errs by as much from half second to half second, or in each sample."""
+    recording, mount = turns()
+    time_s = recording.time_s
+    rng = np.random.default_rng(77)
+    knots = np.arange(0, time_s[-1] + 0.5, 0.5)
+    lasting = np.interp(time_s, knots, np.sqrt(1.5) * rng.standard_normal(len(knots)))
+    axle = mount.rotation_imu_to_wheel("left")[2]
+    wheel, sd = recording.sensors["left_wheel"], []
+    for error in (lasting, rng.standard_normal(len(time_s))):
+        gyr = wheel.gyr_radps + 0.12 * error[:, None] * axle
+        sensors = {**recording.sensors, "left_wheel": Imu(wheel.acc_mps2, gyr)}
+        sd.append(check_geometry(Recording(time_s, sensors), SAMPLE_CHAIR, mount).radius_ratio_sd)
+    # Beside it stands what scale factors leave open: 0.3 % of either wheel.
+    by_noise = np.sqrt(np.square(sd) - 2 * 0.003**2)
+    assert by_noise[0] > 3 * by_noise[1], sd

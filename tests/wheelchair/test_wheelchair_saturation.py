@@ -115,3 +115,19 @@ def test_exact_readings_of_a_steady_motion_are_no_limit():
 def test_the_sample_chair_is_below_every_limit():
     for run in trials(SAMPLE_CHAIR, 3):
         assert not saturated_gyroscopes(run.recording, run.recording.sensors)
+
+
+@pytest.mark.parametrize("range_degps", [125, 300, 350, 400, 450, 500, 600, 900, 1000, 1200, 2000])
+def test_ranges_that_are_sold_are_limits_to_two_percent(range_degps):
+    """The fastest axis stays at the limit for half a second while the others still change."""
+    rng = np.random.default_rng(4)
+    for own, counts in ((1.0, True), (0.981, True), (1.019, True), (0.97, False), (1.03, False)):
+        gyr = 0.1 * rng.standard_normal((300, 3))
+        limit = np.deg2rad(range_degps * own)
+        gyr[:, 2] = np.clip(1.5 * limit * np.sin(np.arange(300) / 40) ** 3, -limit, limit)
+        acc = np.tile([0.0, 0.0, 9.8], (300, 1))
+        recording = Recording(np.arange(300) / 100, {"frame": Imu(acc, gyr)})
+        found = saturated_gyroscopes(recording, ["frame"])
+        assert bool(found) == counts
+        if counts:
+            assert (found["frame"] == (np.abs(gyr[:, 2]) == limit)).all()
