@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
@@ -19,6 +20,7 @@ from mobility_imu.scooter import (
 )
 from mobility_imu.scooter.calibration import ParkedPose, mount_from_poses
 from mobility_imu.scooter.geometry import body_specific_force, lever_acceleration
+from mobility_imu.scooter.pose_check import _judge, _means
 from mobility_imu.simulation.scooter import PARKED_POSES_RAD, draw_scooter, simulate_parked
 
 POSES = np.deg2rad([(s, t) for s in (-40, -20, 0, 20, 40) for t in (0, 20, 40)])
@@ -200,6 +202,7 @@ def test_a_pose_that_no_reading_shows_is_not_judged():
     found = check_poses(exact(poses), poses.tolist(), SUZUKI_ET4D)
     assert found.judged.tolist() == [True] * 4 + [False]
     assert "pose 5" in found.warnings[0] and np.isnan(found.difference_sd_rad[4]).all()
+    assert found.rms_rad.max() < 1e-4 and found.chi_square < 1e-3  # of the four
     assert found.verdict == "agrees"
     few = np.vstack([POSES[:2], [[np.pi / 2, 0.0]]])
     assert check_poses(exact(few), few.tolist(), SUZUKI_ET4D).verdict == "cannot be judged"
@@ -273,3 +276,45 @@ def test_wrong_settings_are_named(given, says):
 def test_wrong_questions_on_uncertainty_are_named(given, says):
     with pytest.raises(InputError, match=says):
         pose_uncertainty(**({"poses_rad": POSES, "geometry": SUZUKI_ET4D} | given))
+
+
+@pytest.mark.parametrize("judged", [[True] * 4, [True, False, True, True]])
+def test_means_are_those_of_the_judged_poses_with_what_they_share(judged):
+    """Own errors of 1 and a shared one of 0.5 in the steering, of 2 and 1 in the throttle."""
+    judged = np.array(judged)
+    difference = np.array([[1.0, 10.0], [2.0, 20.0], [4.0, 30.0], [9.0, 70.0]])
+    covariance = np.diag(np.tile([1.0, 4.0], 4))
+    covariance[0::2, 0::2] += 0.25
+    covariance[1::2, 1::2] += 1.0
+    covariance[:, ~np.repeat(judged, 2)] = covariance[~np.repeat(judged, 2)] = np.nan
+    count = judged.sum()
+    for (name, mean, sd), column, own, shared in zip(
+        _means(difference, covariance, judged), (0, 1), (1.0, 4.0), (0.25, 1.0), strict=True
+    ):
+        assert name == ("steering", "throttle")[column]
+        assert mean == pytest.approx(difference[judged, column].mean())
+        assert sd == pytest.approx(np.sqrt(own / count + shared))
+
+
+@pytest.mark.parametrize("count", [3, 6])
+def test_verdicts_change_where_chance_ends(count):
+    """Differences of both signs, whose squares sum up to a chi-square of two numbers a pose."""
+    judged, sign = np.ones(count, bool), np.where(np.arange(count) % 2, -1.0, 1.0)
+    sign = (sign - sign.mean())[:, None] * [1.0, 1.0]
+    pattern = sign / np.sqrt(np.square(sign).sum())
+    low, high = stats.chi2.ppf([0.005, 1 - 0.05 / 3], 2 * count)
+    for square, verdict, small in (
+        (0.98 * low, "agrees", True),
+        (1.02 * low, "agrees", False),
+        (0.98 * high, "agrees", False),
+        (1.02 * high, "differs", False),
+    ):
+        found, warnings = _judge(np.sqrt(square) * pattern, np.eye(2 * count), judged)
+        assert found == verdict and bool(warnings) == small, (square, warnings)
+    # A mean is off beyond 2.4 of its standard deviations: 5 % of three tests, to both sides.
+    for size, verdict in ((2.35, "agrees"), (2.43, "differs")):
+        off = np.zeros((count, 2))
+        off[:, 1] = -size / np.sqrt(count)
+        found, warnings = _judge(off, np.eye(2 * count), judged)
+        assert found == verdict
+        assert [text.split(" is off")[0] for text in warnings] == ["throttle"] * (size > 2.4)

@@ -23,9 +23,11 @@ from mobility_imu.walker import (
     WalkerGeometry,
     calibrate_mount,
 )
-from mobility_imu.walker.calibration import calibrate_from_path
+from mobility_imu.walker.arc_fit import ArcFit
+from mobility_imu.walker.calibration import _position_from_arcs, calibrate_from_path
 from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import TILT_DIRECTIONS
+from mobility_imu.walker.tilt_detection import Tilt
 
 
 @pytest.mark.parametrize("pose", POSES)
@@ -119,3 +121,27 @@ def test_calibration_from_path_refuses_an_unknown_method():
     path, _ = navigate_recording(tilt_recording())
     with pytest.raises(InputError, match="method = 'best'"):
         calibrate_from_path(path, FRAME, method="best")
+
+
+def test_a_place_is_the_mean_of_its_arcs_with_what_they_scatter_by():
+    """Five arcs, two of them to the front, of an IMU at (0.3, 0.1, 0.6), by hand.
+
+    The front edge lies 2 cm farther than measured; heights of 0.60 scatter by 1 cm, ten times as
+    much as stated. The sensor's noise is another standard deviation, by the same weights.
+    """
+    names = ["front", "front", "back", "right", "left"]
+    place, heights = np.array([0.3, 0.1, 0.6]), 0.6 + 0.01 * np.array([1, -1, 1, -1, 0])
+    edges = [FRAME.edge(name) for name in names]
+    fits, tilts = [], []
+    for name, edge, height in zip(names, edges, heights, strict=True):
+        arm = (place - edge.point_m) * (1 - np.abs(edge.axis))
+        arm += [-0.02 if name == "front" else 0.0, 0.0, height - place[2]]
+        fits.append(ArcFit(edge.axis, arm, 1e-6 * np.eye(3), 0.001))
+        tilts.append(Tilt(name, slice(0, 9), 5, 0.5))
+    stated, noise = [1e-6 * np.eye(3)] * 5, [4e-6 * np.eye(3)] * 5
+    found, sd, noise_sd = _position_from_arcs(fits, tilts, edges, np.eye(3), stated, noise)
+    assert np.allclose(found, [0.29, 0.1, 0.6])
+    # A trace of 3e-6 over two components; both fronts count as one arc.
+    assert np.allclose(sd[:2], np.sqrt(1.5e-6 / 2))
+    assert np.isclose(sd[2], np.std(heights, ddof=1) / np.sqrt(5))
+    assert np.allclose(noise_sd, 2e-3 / np.sqrt([2 * 4 / 3, 2, 5]))

@@ -28,6 +28,7 @@ from mobility_imu.walker.navigation import (
     ClosedLoop,
     NavigationSettings,
     NavigationState,
+    corrected_state,
     error_dynamics,
     imu_output,
     integrate_strapdown,
@@ -106,6 +107,18 @@ def test_eq22_error_is_half_the_rotation_vector(seed):
     assert np.allclose(aligned(disturbed(state, error), state), error, atol=1e-9)
 
 
+@given(st.integers(0, 10**6), st.floats(1e-4, 1.0))
+@settings(max_examples=30, deadline=None)
+def test_quaternions_of_steps_and_corrections_keep_their_length(seed, size):
+    """However large the correction or the turn, and whatever the length was before."""
+    state, rng = random_state(seed)
+    longer = state._replace(quaternion=(1 + 0.1 * size) * state.quaternion)
+    corrected = corrected_state(state, size * rng.normal(size=15))
+    stepped, _ = step_transition(longer, rng.normal(size=3), rng.normal(size=3) * size, 0.1)
+    for found in (corrected, stepped):
+        assert np.isclose(np.linalg.norm(found.quaternion), 1, atol=1e-12)
+
+
 def numeric_transition(state, acc, gyr, dt):
     after, _ = step_transition(state, acc, gyr, dt)
     columns = []
@@ -128,6 +141,27 @@ def test_eq24_transition_is_the_derivative_of_the_nonlinear_step(seed):
     acc, gyr = rng.normal(size=3) * 15, rng.normal(size=3) * 2
     _, phi = step_transition(state, acc, gyr, DT)
     assert np.abs(numeric_transition(state, acc, gyr, DT) - phi).max() < 1e-6
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=20, deadline=None)
+def test_eq24_transition_holds_for_large_turns_as_far_as_its_series_goes(seed):
+    """A turn p of 0.3 rad within one interval. What is left of the bias's parts is the next term.
+
+    Right Jacobian of p: -p³/24 follows p²/6. Of half the turn: p²/24 follows p/4.
+    """
+    state, rng = random_state(seed)
+    dt, p, axis = 0.1, 0.3, rng.normal(size=3)
+    gyr = state.gyr_bias_radps + p / dt * axis / np.linalg.norm(axis)
+    acc = rng.normal(size=3) * 10
+    force = np.linalg.norm(acc - state.acc_bias_mps2)
+    _, phi = step_transition(state, acc, gyr, dt)
+    off = np.abs(numeric_transition(state, acc, gyr, dt) - phi)
+    assert off[0:3, 3:6].max() < 1.1 * dt / 2 * p**3 / 24 + 1e-9
+    by_bias = dt / 4 * 2 * dt * force * 1.1 * p**2 / 24
+    assert off[9:12, 3:6].max() < by_bias + 1e-8 and off[6:9, 3:6].max() < dt / 2 * by_bias + 1e-8
+    off[0:3, 3:6] = off[6:12, 3:6] = 0
+    assert off.max() < 1e-6
 
 
 def test_eq24_is_the_rate_of_the_transition():
@@ -707,7 +741,8 @@ def test_refuses_what_cannot_be_navigated():
         navigate(time, np.zeros_like(acc), gyr, still)
     huge = acc.copy()
     huge[250] = 1e300
-    with pytest.raises(InputError, match="the path has no finite end"), np.errstate(all="ignore"):
+    says = r"no finite end: the largest readings are 1e\+300 m/s² and 0\.\d+ rad/s"
+    with pytest.raises(InputError, match=says), np.errstate(all="ignore"):
         navigate(time, huge, gyr, still)
 
 
@@ -782,7 +817,15 @@ def test_entries_of_compiled_loops_take_every_kind_of_array(entry):
 
 
 @pytest.mark.parametrize(
-    "covariance", [np.eye(6), np.full((15, 15), np.nan), -np.eye(15), np.triu(np.ones((15, 15)))]
+    "covariance",
+    [
+        np.eye(6),
+        np.full((15, 15), np.nan),
+        -np.eye(15),
+        np.diag([1.0] * 14 + [-1e-9]),
+        np.triu(np.ones((15, 15))),
+        np.eye(15) + np.eye(15, k=1) * 1e-3,
+    ],
 )
 def test_covariances_that_are_none_are_refused(covariance):
     time, acc, gyr, still = wobbling(3)

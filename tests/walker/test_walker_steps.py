@@ -207,6 +207,9 @@ def test_settings_are_checked():
     for wrong in ({"least_length_m": 0}, {"least_turn_rad": 5}, {"least_length_m": "0.05"}):
         with pytest.raises(InputError, match=next(iter(wrong))):
             GaitSettings(**wrong)
+    assert GaitSettings(least_turn_rad=np.pi / 2).least_turn_rad == np.pi / 2
+    with pytest.raises(InputError, match="least_turn_rad"):
+        GaitSettings(least_turn_rad=np.deg2rad(91))
     with pytest.raises(InputError, match="longer than half of the move"):
         find_steps(replace(drawn([STEP]), stillness=StillnessSettings(margin_s=0.6)))
 
