@@ -212,7 +212,7 @@ def modules() -> list[Path]:
 
 
 def tests_of(module: Path) -> list[str]:
-    """Test files of a module: the one of its name, and those that stand in :data:`BESIDE`."""
+    """Tests of a module: its examples, the file of its name, and those of :data:`BESIDE`."""
     device, name = module.parent.name, module.stem
     folder = ROOT / "tests" / device if device in DEVICES else ROOT / "tests"
     own = f"test_{device}_{name}" if device in DEVICES else f"test_{name}"
@@ -222,7 +222,7 @@ def tests_of(module: Path) -> list[str]:
     ]
     found = [str(p.relative_to(ROOT)) for p in files if p.is_file()]
     assert found, f"{module} has no tests"
-    return found
+    return [str(module), *found]
 
 
 def drawn(count: int, seed: int) -> list[Mutation]:
@@ -272,6 +272,7 @@ def run(room: Path, seconds: Path, tests: list[str], limit_s: float) -> bool:
         **os.environ, "PYTHONPATH": f"{room}{os.pathsep}{ROOT / 'checks'}",
         "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "1",
         "MOBILITY_IMU_MUTATIONS": "20", "MOBILITY_IMU_SECONDS": str(seconds),
+        "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
     }  # fmt: skip
     for name in OUTSIDE:
         environment.pop(name, None)
@@ -348,6 +349,7 @@ def main() -> int:
     parser.add_argument("--least", type=float, default=0.85, help="part that must be killed")
     parser.add_argument("--only", nargs="*", default=[], help="parts of module names")
     parser.add_argument("--leave-out", nargs="*", default=[], help="parts of module names")
+    parser.add_argument("--after", type=int, default=0, help="judge none of so many first ones")
     parser.add_argument("--at", nargs="*", default=[], help="part of a module's name:line")
     parser.add_argument(
         "--seconds", type=Path, default=None, help="file of the tests' seconds; written if absent"
@@ -355,6 +357,7 @@ def main() -> int:
     given = parser.parse_args()
     drawn_all = drawn(given.count, given.seed)
     mutations = [m for m in drawn_all if wanted(m, given.only, given.leave_out, given.at)]
+    mutations = mutations[given.after :]
     alive = list(survivors(mutations, given.workers, given.seconds))
     for folder, (killed, all_) in counted(mutations, alive).items():
         print(f"killed in {folder}: {killed} of {all_} ({killed / all_:.1%})")
