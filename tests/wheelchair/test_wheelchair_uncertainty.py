@@ -198,7 +198,7 @@ def test_each_error_by_itself_moves_the_speed_as_stated(sides):
 
 
 def test_disagreement_and_offsets_are_in_the_speed():
-    """Wheels that differ by w from the frame: half a track of w. Offsets of the axles: half each."""
+    """Wheels that differ by w from the frame: half a track of w. Offsets of the axles: half."""
     rates = {name: np.zeros((40, 3)) for name in ("frame", "left_wheel", "right_wheel")}
     mount = calibrate_mount(*(run.recording for run in trials(SAMPLE_CHAIR, 3)[:2])).mount
 
