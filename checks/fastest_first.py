@@ -1,7 +1,8 @@
 """A plugin of pytest for :mod:`mutations`: fast tests run first, and the seconds of each are kept.
 
 ``MOBILITY_IMU_SECONDS`` names the file of the seconds. Files, and the tests in each, are sorted by
-what they took before; tests that are new in it run first.
+what they took before; tests that are new in it run first. Those that took longer than
+``MOBILITY_IMU_SLOWEST`` seconds are left out.
 """
 
 from __future__ import annotations
@@ -13,12 +14,14 @@ from pathlib import Path
 import pytest
 
 _FILE = Path(os.environ["MOBILITY_IMU_SECONDS"])
+_SLOWEST = float(os.environ.get("MOBILITY_IMU_SLOWEST", "inf"))
 _before: dict[str, float] = json.loads(_FILE.read_text()) if _FILE.is_file() else {}
 _now: dict[str, float] = {}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Sort the files by their seconds, and the tests of each."""
+    """Leave out what is slow; sort the files by their seconds, and the tests of each."""
+    items[:] = [item for item in items if _before.get(item.nodeid, 0.0) <= _SLOWEST]
     of_file: dict[str, float] = {}
     for item in items:
         name = item.nodeid.split("::")[0]

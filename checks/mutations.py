@@ -349,12 +349,16 @@ def main() -> int:
     parser.add_argument("--least", type=float, default=0.85, help="part that must be killed")
     parser.add_argument("--only", nargs="*", default=[], help="parts of module names")
     parser.add_argument("--leave-out", nargs="*", default=[], help="parts of module names")
+    parser.add_argument(
+        "--slowest", type=float, default=float("inf"), help="s, leave out tests that take longer"
+    )
     parser.add_argument("--after", type=int, default=0, help="judge none of so many first ones")
     parser.add_argument("--at", nargs="*", default=[], help="part of a module's name:line")
     parser.add_argument(
         "--seconds", type=Path, default=None, help="file of the tests' seconds; written if absent"
     )
     given = parser.parse_args()
+    os.environ["MOBILITY_IMU_SLOWEST"] = str(given.slowest)
     drawn_all = drawn(given.count, given.seed)
     mutations = [m for m in drawn_all if wanted(m, given.only, given.leave_out, given.at)]
     mutations = mutations[given.after :]
