@@ -44,10 +44,12 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "scooter/calibration": ("test_scooter_ride",),
     "scooter/geometry": ("test_scooter_angles",),
     "scooter/mount": ("test_scooter_ride", "test_scooter_calibration"),
-    "wheelchair/check": ("test_wheelchair_outcomes",),
+    "wheelchair/calibration": ("test_wheelchair_offsets",),
+    "wheelchair/check": ("test_wheelchair_outcomes", "test_wheelchair_offsets"),
     "wheelchair/codes": ("test_wheelchair_tasks",),
     "wheelchair/series": ("test_wheelchair_inputs",),
     "wheelchair/slip": ("test_wheelchair_court",),
+    "wheelchair/velocity": ("test_wheelchair_offsets",),
     "wheelchair/smoothing": ("test_wheelchair_doors",),
     "walker/_kernel": ("test_walker_navigation",),
     "walker/arc_fit": ("test_walker_uncertainty",),
@@ -364,16 +366,16 @@ def main() -> int:
     parser.add_argument(
         "--slowest", type=float, default=float("inf"), help="s, leave out tests that take longer"
     )
-    parser.add_argument("--after", type=int, default=0, help="judge none of so many first ones")
+    parser.add_argument("--but", type=int, default=0, help="not those that a draw of so many has")
     parser.add_argument("--at", nargs="*", default=[], help="part of a module's name:line")
     parser.add_argument(
         "--seconds", type=Path, default=None, help="file of the tests' seconds; written if absent"
     )
     given = parser.parse_args()
     os.environ["MOBILITY_IMU_SLOWEST"] = str(given.slowest)
-    drawn_all = drawn(given.count, given.seed)
-    mutations = [m for m in drawn_all if wanted(m, given.only, given.leave_out, given.at)]
-    mutations = mutations[given.after :]
+    known = set(drawn(given.but, given.seed))
+    chosen = [m for m in drawn(given.count, given.seed) if m not in known]
+    mutations = [m for m in chosen if wanted(m, given.only, given.leave_out, given.at)]
     alive = list(survivors(mutations, given.workers, given.seconds))
     for folder, (killed, all_) in counted(mutations, alive).items():
         print(f"killed in {folder}: {killed} of {all_} ({killed / all_:.1%})")

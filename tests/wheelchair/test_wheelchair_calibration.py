@@ -318,3 +318,26 @@ def test_the_straightest_part_has_to_be_long_and_to_change_its_speed(straight_s,
     if works:
         assert straight_s < part.time_s[-1] - part.time_s[0] < straight_s + 2 * np.deg2rad(46)
         assert "only its straightest part is used" in notes[0]
+
+
+def test_offsets_at_rest_are_found_and_taken_off():
+    """Of both trials: each rests for a second or more at its beginning."""
+    static, straight, _ = trials(SAMPLE_CHAIR, 8)
+    offset = np.deg2rad([1.0, -2.0, 1.5])
+    shifted = [
+        Recording(
+            run.recording.time_s,
+            {k: Imu(v.acc_mps2, v.gyr_radps + offset) for k, v in run.recording.sensors.items()},
+        )
+        for run in (static, straight)
+    ]
+    plain, found = calibrated(static, straight), calibrate_mount(*shifted)
+    assert set(found.offsets) == {"frame", "left_wheel", "right_wheel"}
+    for each in found.offsets.values():
+        assert each.offset_radps == pytest.approx(offset, abs=1e-9)
+    as_they_are = calibrate_mount(*shifted, take_off_offsets=False)
+    assert not as_they_are.offsets
+    for side in ("left", "right"):
+        axle = plain.mount.rotation_imu_to_wheel(side)[2]
+        assert found.mount.rotation_imu_to_wheel(side)[2] == pytest.approx(axle, abs=1e-9)
+        assert as_they_are.mount.rotation_imu_to_wheel(side)[2] @ axle < 1 - 1e-6
