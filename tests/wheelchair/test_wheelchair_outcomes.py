@@ -305,7 +305,9 @@ class TestPushes:
         assert found.onset_s == pytest.approx([1.0], abs=0.08)
         assert found.speed_gain_mps == pytest.approx([1.0], abs=0.1)
 
-    @pytest.mark.parametrize(("samples", "pause"), [(2, False), (40, False), (42, True), (90, True)])
+    @pytest.mark.parametrize(
+        ("samples", "pause"), [(2, False), (40, False), (42, True), (90, True)]
+    )
     def test_a_minimum_longer_than_two_fifths_of_a_second_is_a_pause(self, samples, pause):
         """The push starts where the minimum begins, or where the pause ends."""
         fall, rise = np.linspace(1.0, 0.6, 50), np.linspace(0.6, 1.2, 60)
