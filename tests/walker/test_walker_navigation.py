@@ -20,7 +20,7 @@ from mobility_imu.reproduction.walker.studies import DATASHEET
 from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.runs import runs_of
 from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
-from mobility_imu.walker import navigation
+from mobility_imu.walker import _kernel, navigation
 from mobility_imu.walker.eskf import stride_ends
 from mobility_imu.walker.geometry import rotation_world_to_imu
 from mobility_imu.walker.navigation import (
@@ -384,6 +384,40 @@ def test_readable_filter_equals_the_compiled_one(walked, variant, monkeypatch):
         monkeypatch.setattr(navigation, "choose", lambda *_, way=way, **__: way)
         paths.append(integrate_strapdown(time, acc, gyr, readable.state(0), still=still))
     assert np.allclose(paths[0].position_m, paths[1].position_m, rtol=1e-12, atol=1e-9)
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-6, 0.01, 0.1, 0.126, 0.127, 1.0, 3.0])
+def test_half_a_turn_of_the_kernel_is_exact_for_small_and_large_turns(size):
+    """Its series and the functions that it stands for, on both sides of where they meet."""
+    plain = getattr(_kernel.half_turn, "py_func", _kernel.half_turn)
+    axis = np.array([0.6, -0.48, 0.64])
+    half = size / 4  # a quaternion holds half of the angle, here of half the turn
+    expected = [np.cos(half), *(np.sin(half) * axis)]
+    assert np.allclose(plain(tuple(size * axis)), expected, rtol=2e-15, atol=1e-16)
+
+
+def test_matrices_of_the_kernel_multiply_as_matrices_do():
+    """Flat, with rows of 16 numbers of which 15 count."""
+    rng = np.random.default_rng(9)
+    a, b = rng.standard_normal((2, 15, 15))
+    symmetric = a @ a.T
+    flat = {name: np.zeros(240) for name in ("a", "b", "out", "p", "work", "other", "vector")}
+    for name, values in (("a", a), ("b", b), ("p", symmetric)):
+        flat[name].reshape(15, 16)[:, :15] = values
+
+    def dense(name):
+        return flat[name].reshape(15, 16)[:, :15]
+
+    _kernel.multiply(flat["a"], flat["b"], flat["out"])
+    assert np.allclose(dense("out"), a @ b, rtol=1e-13, atol=1e-13)
+    _kernel.sandwich(flat["b"], flat["p"], flat["work"], flat["other"])
+    assert np.allclose(dense("p"), b @ symmetric @ b.T, rtol=1e-12, atol=1e-12)
+    _kernel.times_vector(flat["p"], b[0], flat["vector"])
+    assert np.allclose(flat["vector"][:15], dense("p") @ b[0], rtol=1e-12, atol=1e-12)
+    _kernel.identity(flat["out"])
+    assert np.array_equal(dense("out"), np.eye(15))
+    _kernel.transpose(flat["a"], flat["out"])
+    assert np.array_equal(dense("out"), a.T)
 
 
 def test_first_path_in_a_fresh_environment_waits_for_no_compiler(tmp_path):
