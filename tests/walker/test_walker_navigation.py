@@ -927,3 +927,63 @@ def test_navigation_is_a_result():
     assert np.array_equal(table[["qw", "qx", "qy", "qz"]], path.quaternion)
     assert np.array_equal(table["velocity_z_sd_mps"], path.sd[:, 11])
     assert np.array_equal(path.state(-1).velocity_mps, path.velocity_mps[-1])
+
+
+def test_the_start_is_known_as_well_as_its_rest_is_long():
+    """A bias b of the accelerometer leans the first attitude by b/g; both err together.
+
+    By finite differences: the attitude that a biased rest gives against the true one. The turn
+    about the vertical is a matter of choice.
+    """
+    rng = np.random.default_rng(6)
+    force = Rotation.random(random_state=6).inv().apply(G)
+    settings = NavigationSettings()
+    noise, bias_sd = settings.noise(), settings.acc_bias_sd_mps2
+    for rest in (100, 400):
+        count = rest + 100
+        clock, still = DT * np.arange(count), np.arange(count) < rest
+        rate = np.tile([0.01, -0.02, 0.03], (count, 1)) + np.where(still, 0, 1)[:, None]
+        true, p = navigation._start(clock, np.tile(force, (count, 1)), rate, still, settings)
+        assert np.allclose(true.gyr_bias_radps, [0.01, -0.02, 0.03])
+        up = force / np.linalg.norm(force)
+        flat = np.eye(3) - np.outer(up, up)
+        assert np.allclose(rotation_world_to_imu(true.quaternion)[:, 2], up)
+        length = rest * DT
+        size = (bias_sd**2 + noise.acc / length) / (2 * STANDARD_GRAVITY_MPS2) ** 2
+        assert np.allclose(p[0:3, 0:3], size * flat + 1e-10 * np.eye(3), rtol=1e-9, atol=1e-15)
+        b = 1e-5 * rng.normal(size=3)
+        biased, _ = navigation._start(clock, np.tile(force + b, (count, 1)), rate, still, settings)
+        error = aligned(true._replace(acc_bias_mps2=b), biased)
+        assert np.allclose(flat @ p[0:3, 12:15] @ b / bias_sd**2, flat @ error[:3], atol=1e-11)
+        assert np.array_equal(p, p.T) and np.allclose(p[12:15, 12:15], bias_sd**2 * np.eye(3))
+        gyr_var = settings.gyr_bias_sd_radps**2 + noise.gyr / length
+        assert np.allclose(p[3:6, 3:6], gyr_var * np.eye(3))
+
+
+def test_intervals_reach_from_midpoint_to_midpoint_and_moves_last_as_long():
+    clock = np.array([0.0, 0.1, 0.2, 0.5, 0.6, 0.7])
+    interval = navigation._intervals(clock)
+    assert np.allclose(interval, [0.1, 0.1, 0.2, 0.2, 0.1, 0.1])
+    still = np.array([True, False, False, True, False, True])
+    for longest, expected in ((0.31, [0, 0, 0, 0, 0, 0]), (0.29, [0, 1, 1, 0, 0, 0])):
+        found = navigation._long_moves(still, interval, longest)
+        assert found.tolist() == np.array(expected, bool).tolist()
+
+
+def test_samples_lie_in_the_middle_of_their_intervals():
+    """States are means of both ends; within strides of 2 and 3 samples variances are linear."""
+    states = np.zeros((6, 16))
+    states[:, 0] = 1.0
+    states[:, 4:] = np.arange(6)[:, None] * np.arange(1, 13)
+    variances = np.outer([0.0, 1.0, 4.0], np.ones(16))
+    variances[:, 15] *= -0.5
+    nothing = np.zeros(5)
+    path = navigation._at_samples(
+        DT * np.arange(5), states, np.array([2, 5]), variances, nothing > 0, nothing,
+        nothing.astype(int), None,
+    )  # fmt: skip
+    assert np.allclose(path.position_m, np.outer(np.arange(5) + 0.5, [1, 2, 3]))
+    assert np.allclose(path.acc_bias_mps2, np.outer(np.arange(5) + 0.5, [10, 11, 12]))
+    expected = np.array([0.25, 0.75, 1.5, 2.5, 3.5])
+    assert np.allclose(path.sd**2, expected[:, None])
+    assert np.allclose(path.xy_covariance_m2, -0.5 * expected)
