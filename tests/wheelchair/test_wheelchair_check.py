@@ -276,7 +276,8 @@ def test_yaw_rates_are_compared_sample_by_sample():
     assert found["gain"] == pytest.approx(1.2) and found["correlation"] == pytest.approx(1.0)
     assert found["residual_radps"] == pytest.approx(0.2 * np.sqrt(np.mean(yaw**2)))
     # The mean over a second makes a ramp of a second of each end: 0.3² / 2 lie below 0.3 rad/s.
-    assert found["turned_rad"] == pytest.approx(10 - 4 * 0.045, abs=0.02) and found["lag_s"] == 0
+    assert found["turned_rad"] == pytest.approx(10 - 4 * 0.045, abs=0.02)
+    assert abs(found["lag_s"]) < 0.002  # a fifth of a sample
     usable[200:700] = False
     half = _agreement(yaw, np.where(usable, -yaw, 9.0), 100.0, usable)
     assert half["gain"] == pytest.approx(-1.0) and half["correlation"] == pytest.approx(-1.0)
