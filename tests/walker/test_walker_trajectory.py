@@ -38,6 +38,8 @@ from mobility_imu.walker.navigation import (
     integrate_strapdown,
 )
 from mobility_imu.walker.trajectory import (
+    _backward_fraction,
+    _far_off,
     body_position,
     trajectory_from_path,
     walking_displacement,
@@ -240,3 +242,41 @@ def test_resting_recording_goes_nowhere():
     assert np.abs(found.position_m).max() < 2e-3 and found.stationary.all()
     with pytest.raises(InputError, match="no sensor 'frame'"):
         estimate_trajectory(Recording(time, {"lever": recording.sensors["frame"]}), FRAME, mount)
+
+
+@pytest.mark.parametrize(
+    ("place", "off"),
+    [
+        ([-0.49, 0.0, 0.5], False),
+        ([-0.51, 0.0, 0.5], True),
+        ([1.01, 0.0, 0.5], False),
+        ([1.03, 0.0, 0.5], True),
+        ([0.2, 0.79, 0.5], False),
+        ([0.2, -0.79, 0.5], False),
+        ([0.2, 0.81, 0.5], True),
+        ([0.2, -0.81, 0.5], True),
+        ([0.2, 0.0, 1.49], False),
+        ([0.2, 0.0, 1.51], True),
+        ([0.2, 0.0, -0.01], True),
+    ],
+)
+def test_a_mount_is_far_off_half_a_metre_beside_the_footprint(place, off):
+    """Of 0.60 x 0.52 m; the origin is the middle of the rear tips."""
+    said = _far_off(WalkerMount(np.eye(3), place), FRAME)
+    assert len(said) == off and all("far off a frame of 0.6 x 0.52 m" in text for text in said)
+
+
+@pytest.mark.parametrize("heading", [0.0, 2.0])
+def test_the_backward_part_of_the_way_is_that_of_steps_against_the_forward_axis(heading):
+    """Rests at 0, 0.6, 0.4 and 1.0 m ahead: 0.2 of 1.4 m; of less than a metre nothing is said."""
+    turn = Rotation.from_rotvec([0, 0, heading]).as_matrix()
+    along = np.interp(
+        np.arange(70), [0, 10, 20, 30, 35, 45, 55, 69], [0, 0, 0.6, 0.6, 0.4, 0.4, 1, 1]
+    )
+    still = np.zeros(70, bool)
+    for rest in (slice(0, 11), slice(20, 31), slice(35, 46), slice(55, 70)):
+        still[rest] = True
+    position, attitude = np.outer(along, turn[:, 0]), np.tile(turn, (70, 1, 1))
+    assert _backward_fraction(position, attitude, still) == pytest.approx(0.2 / 1.4)
+    assert _backward_fraction(-position, attitude, still) == pytest.approx(1.2 / 1.4)
+    assert _backward_fraction(-0.7 * position, attitude, still) == 0.0
