@@ -1,5 +1,7 @@
 """Walker: the mount against simulated truth, and recordings that do not serve."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from walker_recordings import (
@@ -24,7 +26,11 @@ from mobility_imu.walker import (
     calibrate_mount,
 )
 from mobility_imu.walker.arc_fit import ArcFit
-from mobility_imu.walker.calibration import _position_from_arcs, calibrate_from_path
+from mobility_imu.walker.calibration import (
+    _position_from_arcs,
+    _with_sensor_errors,
+    calibrate_from_path,
+)
 from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import TILT_DIRECTIONS
 from mobility_imu.walker.tilt_detection import Tilt
@@ -145,3 +151,25 @@ def test_a_place_is_the_mean_of_its_arcs_with_what_they_scatter_by():
     assert np.allclose(sd[:2], np.sqrt(1.5e-6 / 2))
     assert np.isclose(sd[2], np.std(heights, ddof=1) / np.sqrt(5))
     assert np.allclose(noise_sd, 2e-3 / np.sqrt([2 * 4 / 3, 2, 5]))
+
+
+def test_the_larger_of_scatter_and_sensor_errors_is_stated():
+    """Component by component; of those that scatter by nothing, the sensor's errors are left."""
+    recording = tilt_recording()
+    path, _ = navigate_recording(recording)
+    arcs = calibrate_from_path(path, FRAME)
+    scattered = replace(
+        arcs,
+        translation_sd_m=np.array([1.0, 1e-9, 2.0]),
+        rotation_sd_rad=np.array([1e-9, 3.0, 1e-9]),
+    )
+    found = _with_sensor_errors(
+        scattered, path, recording, lambda wrong: navigate_recording(wrong)[0]
+    )
+    place, turn = found.translation_sd_m, found.rotation_sd_rad
+    assert place[0] == 1.0 and place[2] == 2.0 and turn[1] == 3.0
+    # They are larger than what the arcs tell of themselves, and smaller than any tape's.
+    assert 1.2 * arcs.translation_sd_m[1] < place[1] < 0.02
+    assert (1.2 * arcs.rotation_sd_rad[[0, 2]] < turn[[0, 2]]).all() and turn[[0, 2]].max() < 0.02
+    assert np.array_equal(found.mount.translation_sd_m, place)
+    assert np.array_equal(found.mount.rotation_sd_rad, turn)

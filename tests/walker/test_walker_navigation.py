@@ -961,9 +961,9 @@ def test_the_start_is_known_as_well_as_its_rest_is_long():
 
 
 def test_intervals_reach_from_midpoint_to_midpoint_and_moves_last_as_long():
-    clock = np.array([0.0, 0.1, 0.2, 0.5, 0.6, 0.7])
+    clock = np.array([0.0, 0.1, 0.2, 0.5, 0.6, 0.8])
     interval = navigation._intervals(clock)
-    assert np.allclose(interval, [0.1, 0.1, 0.2, 0.2, 0.1, 0.1])
+    assert np.allclose(interval, [0.1, 0.1, 0.2, 0.2, 0.15, 0.2])
     still = np.array([True, False, False, True, False, True])
     for longest, expected in ((0.31, [0, 0, 0, 0, 0, 0]), (0.29, [0, 1, 1, 0, 0, 0])):
         found = navigation._long_moves(still, interval, longest)
