@@ -60,7 +60,7 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "walker/mount": ("test_walker_geometry", "test_walker_doors"),
     "walker/navigation_settings": ("test_walker_navigation", "test_walker_doors"),
     "walker/stillness": ("test_walker_navigation", "test_walker_doors"),
-    "walker/trajectory": ("test_walker_uncertainty",),
+    "walker/trajectory": ("test_walker_uncertainty", "test_walker_doors"),
     "walker/walking_tests": ("test_walker_steps",),
 }
 """Modules whose tests stand, all or some, in files that bear another module's name."""
