@@ -65,6 +65,7 @@ BESIDE: dict[str, tuple[str, ...]] = {
 }
 """Modules whose tests stand, all or some, in files that bear another module's name."""
 
+ANY_NEGATIVE = "NumPy takes any negative length for the one that follows from the others"
 EQUIVALENT: dict[tuple[str, ...], str] = {
     ("scooter/pulses.py", "np.arange(0, total[-1], PAIRS_IN_ORDER)"): (
         "where the last block of pairs ends changes its length, not what is found in it"
@@ -72,9 +73,8 @@ EQUIVALENT: dict[tuple[str, ...], str] = {
     ("'True' -> 'False'", "strict=True)"): (
         "the lengths are equal by what stands before; the guard never acts"
     ),
-    ("'1' -> '2'", "reshape(", ", -1)"): (
-        "NumPy takes any negative length for the one that follows from the others"
-    ),
+    ("'1' -> '2'", "reshape(", ", -1)"): ANY_NEGATIVE,
+    ("'1' -> '2'", "reshape(-1"): ANY_NEGATIVE,
     ("scooter/sensitivity.py", "'1' -> '2'", "np.arcsin(np.minimum(sine, 1))"): (
         "where the sine is above 1 its arcsine is not used"
     ),
