@@ -81,6 +81,9 @@ EQUIVALENT: dict[tuple[str, ...], str] = {
     ("scooter/sensitivity.py", "'1' -> '2'", "np.arcsin(np.minimum(sine, 1))"): (
         "where the sine is above 1 its arcsine is not used"
     ),
+    ("walker/_kernel.py", "'15' -> '16'", "for k in range(15):"): (
+        "behind the 15 rows of a matrix lies padding of zeros"
+    ),
     ("wheelchair/outcomes.py", "'0' -> '1'", "np.r_[smooth[0], smooth, smooth[-1] - 1e-9]"): (
         "a first sample that is the highest gains nothing and is no push, found as a peak or not"
     ),

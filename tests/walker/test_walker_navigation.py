@@ -904,6 +904,25 @@ def test_settings_that_are_impossible_are_refused(name, value):
         ClosedLoop(heading_sd_rad=0)
 
 
+@pytest.mark.parametrize(
+    ("name", "low", "high"),
+    [
+        ("acc_noise_factor", 1e-12, 1e6),
+        ("gyr_bias_prior_sd_radps", 1e-12, 1e6),
+        ("resting_stride", 1, 10**6),
+        ("moving_stride", 1, 10**6),
+        ("upright_rad", 1e-12, np.pi),
+    ],
+)
+def test_settings_hold_up_to_the_sizes_that_the_filter_can_square(name, low, high):
+    for value in (low, high):
+        assert getattr(NavigationSettings(**{name: value}), name) == value
+    beyond = (0, high + 1) if isinstance(high, int) else (0.9 * low, 1.1 * high)
+    for value in beyond:
+        with pytest.raises(InputError, match=name):
+            NavigationSettings(**{name: value})
+
+
 def test_settings_take_numbers_of_numpy():
     chosen = NavigationSettings(gyr_noise_factor=np.float32(0.25), moving_stride=np.int64(8))
     assert chosen.gyr_noise_factor == 0.25 and chosen.moving_stride == 8
