@@ -216,3 +216,9 @@ def test_disagreement_and_offsets_are_in_the_speed():
     right = SAMPLE_CHAIR.wheel_radius_right_m
     assert np.allclose(found.linear_velocity_sd_mps, 0.01 * right / 2)
     assert np.allclose(found.yaw_rate_sd_radps, 0.02)
+
+
+def test_a_sample_lies_anywhere_in_its_interval():
+    """The assumed timing error is the standard deviation of a place within one sample."""
+    anywhere = (np.arange(10_000) + 0.5) / 10_000
+    assert AssumedErrors().timing_sd_samples == pytest.approx(anywhere.std(), rel=1e-4)
