@@ -78,9 +78,6 @@ EQUIVALENT: dict[tuple[str, ...], str] = {
     ),
     ("'1' -> '2'", "reshape(", ", -1)"): ANY_NEGATIVE,
     ("'1' -> '2'", "reshape(-1"): ANY_NEGATIVE,
-    ("scooter/sensitivity.py", "'1' -> '2'", "np.arcsin(np.minimum(sine, 1))"): (
-        "where the sine is above 1 its arcsine is not used"
-    ),
     ("walker/_kernel.py", "'15' -> '16'", "for k in range(15):"): (
         "behind the 15 rows of a matrix lies padding of zeros"
     ),
