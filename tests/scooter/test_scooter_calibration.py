@@ -119,7 +119,7 @@ def test_a_tenth_of_a_second_beside_every_move_is_left_out():
 
 @pytest.mark.parametrize(("rate_radps", "rests"), [(0.02, True), (0.028, True), (0.032, False)])
 def test_a_pose_rests_below_three_hundredths_of_a_radian_per_second(rate_radps, rests):
-    """A lever that trembles to and fro from one sample to the next."""
+    """A lever that trembles forth and back from one sample to the next."""
     tremble = rate_radps * np.where(np.arange(300) % 2, 1.0, -1.0)
     assert bool(find_stills(moved([(tremble, 300)]))) == rests
 
