@@ -81,6 +81,9 @@ EQUIVALENT: dict[tuple[str, ...], str] = {
     ("walker/_kernel.py", "'15' -> '16'", "for k in range(15):"): (
         "behind the 15 rows of a matrix lies padding of zeros"
     ),
+    ("walker/_kernel.py:422", "'15' -> '16'", "for j in range(15):"): (
+        "the padding of each row of the other factor is zero"
+    ),
     ("wheelchair/outcomes.py", "'0' -> '1'", "np.r_[smooth[0], smooth, smooth[-1] - 1e-9]"): (
         "a first sample that is the highest gains nothing and is no push, found as a peak or not"
     ),
