@@ -21,7 +21,7 @@ from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.runs import runs_of
 from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
 from mobility_imu.walker import _kernel, navigation
-from mobility_imu.walker.eskf import stride_ends
+from mobility_imu.walker.eskf import stride_ends, world_up
 from mobility_imu.walker.geometry import rotation_world_to_imu
 from mobility_imu.walker.navigation import (
     GRAVITY_MPS2,
@@ -1027,3 +1027,11 @@ def test_what_is_observed_of_a_stride_is_its_mean(way, monkeypatch):
     assert np.allclose(moved[1], moved[0], atol=1e-12)
     # A rest of a second that is seen to move by 1 cm/s moves by that.
     assert np.allclose(moved[2] - moved[0], 0.01, rtol=0.05)
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=20, deadline=None)
+def test_the_upward_axis_is_that_of_the_world_in_the_axes_of_the_imu(seed):
+    state, _ = random_state(seed)
+    turn = Rotation.from_quat(state.quaternion, scalar_first=True)
+    assert np.allclose(world_up(state), turn.inv().apply([0, 0, 1.0]), atol=1e-12)
