@@ -163,3 +163,111 @@ def test_wrong_shapes_are_refused():
     with pytest.raises(InputError, match="covariance"):
         GyroscopeOffset(np.zeros(3), -np.eye(3), np.zeros(3), 1.0)
     assert not rest_flags(acc[:50], gyr[:50], RATE_HZ).any()
+
+
+@pytest.mark.parametrize("blocks", [2, 3, 6])
+def test_without_scatter_the_noise_of_the_samples_is_the_uncertainty(blocks):
+    """Samples at plus and minus a: each half second has one mean, and neighbours differ by 2 a.
+
+    Of the mean of n samples with a variance of 2 a² that is 2 a²/n, in three directions, which
+    more than three blocks share; beside it stands the drift within a recording, 0.01 deg/s.
+    """
+    a = 0.03
+    gyr = OFFSET + a * np.where(np.arange(50 * blocks) % 2, 1, -1)[:, None]
+    found = gyroscope_offset(gyr, np.ones(len(gyr), bool), RATE_HZ)
+    np.testing.assert_allclose(found.offset_radps, OFFSET, atol=1e-12)
+    np.testing.assert_allclose(found.noise_radps, np.sqrt(2) * a)
+    variance = 2 * a**2 / len(gyr) * min(3 / blocks, 1) + np.deg2rad(0.01) ** 2
+    np.testing.assert_allclose(found.covariance, variance * np.eye(3), rtol=1e-9, atol=1e-18)
+    assert found.rest_s == pytest.approx(blocks / 2)
+
+
+@pytest.mark.parametrize("rate_hz", [1.0, 100.0])
+def test_one_block_alone_shows_no_scatter(rate_hz):
+    """Half a second, or the two samples of a slow recording; one more block is enough."""
+    block = 2 if rate_hz == 1.0 else 50
+    gyr = 0.001 * np.random.default_rng(1).standard_normal((2 * block, 3))
+    rest = np.ones(2 * block, bool)
+    assert gyroscope_offset(gyr[:block], rest[:block], rate_hz) is None
+    assert gyroscope_offset(gyr, rest, rate_hz) is not None
+
+
+@pytest.mark.parametrize(
+    ("tremble", "sway", "vibration", "rests"),
+    [
+        (0.048, 0.0, 0.0, True),
+        (0.052, 0.0, 0.0, False),
+        (0.0, 0.22, 0.0, True),  # 0.14 m/s² of root mean square, with the mean over 0.25 s
+        (0.0, 0.25, 0.0, False),  # 0.16 m/s²
+        (0.0, 0.0, 1.0, True),  # a motor that idles at 8 Hz
+    ],
+)
+def test_a_rest_trembles_and_sways_by_little(tremble, sway, vibration, rests):
+    time_s = np.arange(1000) / RATE_HZ
+    gyr = OFFSET + tremble * np.where(np.arange(1000) % 2, 1, -1)[:, None] * [0.6, 0.0, 0.8]
+    force = sway * np.sin(2 * np.pi * time_s) + vibration * np.sin(2 * np.pi * 8 * time_s)
+    acc = np.array([0.0, 0.0, 9.81]) + force[:, None] * [0.8, -0.6, 0.0]
+    inside = rest_flags(acc, gyr, RATE_HZ)[200:800]
+    assert inside.all() if rests else not inside.any()
+
+
+@pytest.mark.parametrize(("count", "factor"), [(4, 1.0), (12, 1 / 9)])
+def test_the_scatter_of_few_blocks_is_widened_as_students(count, factor):
+    """Half of the half seconds read d more, half d less than the offset.
+
+    Their variance is d² n/(n - 1); of the mean, d²/(n - 1); Student's has (n - 1)/(n - 3) of it.
+    The rest lies within a recording, and a quarter of a second at each end is left out.
+    """
+    d = np.array([0.01, -0.02, 0.005])
+    sign = np.repeat(np.where(np.arange(count) % 2, 1.0, -1.0), 50)
+    gyr = np.vstack([np.ones((100, 3)), OFFSET + np.outer(sign, d), np.ones((100, 3))])
+    gyr = np.insert(gyr, 100, np.tile(OFFSET, (25, 1)), axis=0)
+    gyr = np.insert(gyr, len(gyr) - 100, np.tile(OFFSET, (25, 1)), axis=0)
+    rest = np.zeros(len(gyr), bool)
+    rest[100:-100] = True
+    found = gyroscope_offset(gyr, rest, RATE_HZ)
+    np.testing.assert_allclose(found.offset_radps, OFFSET, atol=1e-12)
+    expected = factor * np.outer(d, d) + np.deg2rad(0.01) ** 2 * np.eye(3)
+    np.testing.assert_allclose(found.covariance, expected, rtol=1e-9, atol=1e-15)
+    assert found.rest_s == pytest.approx(count / 2) and not found.noise_radps.any()
+
+
+def test_offsets_of_unequal_weight_are_weighed_until_they_contradict():
+    """Variances of 1 and of 3: a quarter of the way; beyond a chi-square of 16.3 none of it."""
+    mine, drift = 0.2, np.rad2deg(DRIFT_SD_RADPS)
+    theirs = np.sqrt(3 * mine**2 - drift**2)
+    far = np.sqrt(16.3 / 3 * 4) * mine  # of three numbers, each of them
+    for apart, part in ((0.1, 0.25), (0.99 * far, 0.25), (1.01 * far, 0.0)):
+        own, other = {"frame": offset(1.0, mine)}, {"frame": offset(1.0 + apart, theirs)}
+        (merged,) = merge_offsets(own, other).values()
+        np.testing.assert_allclose(np.rad2deg(merged.offset_radps), 1.0 + part * apart)
+        sd = mine * np.sqrt(0.75) if part else mine
+        np.testing.assert_allclose(np.rad2deg(merged.sd_radps), sd)
+
+
+@pytest.mark.parametrize(
+    ("size", "sd", "told"),
+    [(0.9, 0.4, False), (1.1, 0.1, True), (-1.1, 0.1, True), (0.1, 0.6, True)],
+)
+def test_offsets_are_told_if_they_are_large_or_uncertain(size, sd, told):
+    moving = recording(sensor())
+    said = offset_warnings(moving, {"frame": offset(size, sd)}, ["frame"])
+    assert len(said) == told
+    if told:
+        assert f"x {size:.2f} ± {sd:.2f}" in said[0] and "which is taken off" in said[0]
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"noise_radps": [0.1, -0.1, 0.1]}, "noise_radps"),
+        ({"covariance": np.diag([1.0, 1.0, -1e-6])}, "covariance"),
+        ({"covariance": np.eye(3) + np.eye(3, k=1) * 1e-6}, "covariance"),
+        ({"rest_s": -1.0}, "rest_s"),
+    ],
+)
+def test_impossible_offsets_are_refused(given, says):
+    usual = {"offset_radps": np.zeros(3), "covariance": np.eye(3), "noise_radps": np.zeros(3)}
+    GyroscopeOffset(**usual, rest_s=0.0)
+    with pytest.raises(InputError, match=says):
+        GyroscopeOffset(**{**usual, "rest_s": 1.0, **given})

@@ -4,6 +4,8 @@ import pickle
 
 import numpy as np
 import pytest
+from scipy import stats
+from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
@@ -16,7 +18,9 @@ from mobility_imu.scooter import (
     estimate_angles,
     pose_uncertainty,
 )
+from mobility_imu.scooter.calibration import ParkedPose, mount_from_poses
 from mobility_imu.scooter.geometry import body_specific_force, lever_acceleration
+from mobility_imu.scooter.pose_check import _judge, _means
 from mobility_imu.simulation.scooter import PARKED_POSES_RAD, draw_scooter, simulate_parked
 
 POSES = np.deg2rad([(s, t) for s in (-40, -20, 0, 20, 40) for t in (0, 20, 40)])
@@ -112,6 +116,63 @@ def test_expected_uncertainty_is_that_of_drawn_errors():
     assert np.allclose(np.sqrt(np.mean(np.square(errors), axis=0)) / expected, 1.0, atol=0.14)
 
 
+# Steering and throttle of the stops, and slopes, that a calibration is taken to have had.
+STOPS = np.deg2rad([[50, 0], [50, 40], [0, 40], [0, 0], [-50, 0], [-50, 40]])
+SLOPES_RAD = np.deg2rad([0.0, 5.0])
+
+
+def angles_with(errors, calibrated):
+    """Angles that are found in ``POSES`` on a slope, with errors of the sizes of ``IMUS``.
+
+    ``errors``: turns of lever's and body's IMU (6); offset and axes of both accelerometers
+    (2 x 12); alpha and beta (2); the stops 50, 0 and -50, then 0 and 40 degrees (5); changes of the
+    offsets since the calibration (6).
+    """
+    turns, of_sensors, inclinations, stops, changes = np.split(errors, [6, 30, 32, 37])
+    of_sensors, turns, changes = (e.reshape(2, -1) for e in (of_sensors, turns, changes))
+    real = ScooterGeometry(
+        *(
+            IMUS.geometry_sd_rad * inclinations
+            + [SUZUKI_ET4D.steering_inclination_rad, SUZUKI_ET4D.lever_inclination_rad]
+        )
+    )
+
+    def readings(body, poses, later):
+        for k, force in enumerate((lever_acceleration(body, *poses.T, real), body)):
+            seen = force @ Rotation.from_rotvec(IMUS.mount_sd_rad * turns[k]).as_matrix()
+            sd = np.where(np.eye(3) > 0, IMUS.acc_scale_sd, IMUS.acc_axes_sd_rad)
+            offset = IMUS.acc_offset_sd_mps2 * of_sensors[k, :3]
+            offset = offset + later * IMUS.acc_change_sd_mps2 * changes[k]
+            yield seen @ (np.eye(3) + sd * of_sensors[k, 3:].reshape(3, 3)).T + offset
+
+    body = np.tile(body_specific_force(0.03, 0.0), (len(POSES), 1))
+    lever, body = readings(body, POSES, later=calibrated)
+    if calibrated:
+        there = np.tile(STOPS, (2, 1))
+        off = np.column_stack([stops[np.repeat([0, 1, 2], 2)], stops[[3, 4, 4, 3, 3, 4]]])
+        held = there + IMUS.stop_sd_rad * np.tile(off, (2, 1))
+        at = np.stack([body_specific_force(pitch, 0.0) for pitch in np.repeat(SLOPES_RAD, 6)])
+        parked = [
+            ParkedPose(*vectors, *pose)
+            for *vectors, pose in zip(*readings(at, held, later=False), there, strict=True)
+        ]
+        mount = mount_from_poses(parked, SUZUKI_ET4D).mount
+        lever, body = mount.lever(lever), mount.body(body)
+    found = estimate_angles(lever, body, SUZUKI_ET4D)
+    assert found.valid.all()
+    return np.column_stack([found.steering_rad, found.throttle_rad])
+
+
+@pytest.mark.parametrize("calibrated", [True, False])
+def test_expected_uncertainty_is_the_root_of_the_sum_of_each_error_by_itself(calibrated):
+    """One error after the other goes through calibration and angles; nothing else is assumed."""
+    step = 0.001  # of one standard deviation, where all is linear
+    without = angles_with(np.zeros(43), calibrated)
+    each = [(angles_with(d, calibrated) - without) / step for d in step * np.eye(43)]
+    expected = pose_uncertainty(POSES, SUZUKI_ET4D, IMUS, calibrated=calibrated, pitch_rad=0.03)
+    assert np.sqrt(np.square(each).sum(axis=0)) == pytest.approx(expected, rel=0.01)
+
+
 def test_exact_readings_agree():
     found = check_poses(exact(), LIST, SUZUKI_ET4D)
     assert np.allclose(found.found_rad, POSES, atol=1e-4) and found.inside.all()
@@ -141,6 +202,7 @@ def test_a_pose_that_no_reading_shows_is_not_judged():
     found = check_poses(exact(poses), poses.tolist(), SUZUKI_ET4D)
     assert found.judged.tolist() == [True] * 4 + [False]
     assert "pose 5" in found.warnings[0] and np.isnan(found.difference_sd_rad[4]).all()
+    assert found.rms_rad.max() < 1e-4 and found.chi_square < 1e-3  # of the four
     assert found.verdict == "agrees"
     few = np.vstack([POSES[:2], [[np.pi / 2, 0.0]]])
     assert check_poses(exact(few), few.tolist(), SUZUKI_ET4D).verdict == "cannot be judged"
@@ -214,3 +276,45 @@ def test_wrong_settings_are_named(given, says):
 def test_wrong_questions_on_uncertainty_are_named(given, says):
     with pytest.raises(InputError, match=says):
         pose_uncertainty(**({"poses_rad": POSES, "geometry": SUZUKI_ET4D} | given))
+
+
+@pytest.mark.parametrize("judged", [[True] * 4, [True, False, True, True]])
+def test_means_are_those_of_the_judged_poses_with_what_they_share(judged):
+    """Own errors of 1 and a shared one of 0.5 in the steering, of 2 and 1 in the throttle."""
+    judged = np.array(judged)
+    difference = np.array([[1.0, 10.0], [2.0, 20.0], [4.0, 30.0], [9.0, 70.0]])
+    covariance = np.diag(np.tile([1.0, 4.0], 4))
+    covariance[0::2, 0::2] += 0.25
+    covariance[1::2, 1::2] += 1.0
+    covariance[:, ~np.repeat(judged, 2)] = covariance[~np.repeat(judged, 2)] = np.nan
+    count = judged.sum()
+    for (name, mean, sd), column, own, shared in zip(
+        _means(difference, covariance, judged), (0, 1), (1.0, 4.0), (0.25, 1.0), strict=True
+    ):
+        assert name == ("steering", "throttle")[column]
+        assert mean == pytest.approx(difference[judged, column].mean())
+        assert sd == pytest.approx(np.sqrt(own / count + shared))
+
+
+@pytest.mark.parametrize("count", [3, 6])
+def test_verdicts_change_where_chance_ends(count):
+    """Differences of both signs, whose squares sum up to a chi-square of two numbers a pose."""
+    judged, sign = np.ones(count, bool), np.where(np.arange(count) % 2, -1.0, 1.0)
+    sign = (sign - sign.mean())[:, None] * [1.0, 1.0]
+    pattern = sign / np.sqrt(np.square(sign).sum())
+    low, high = stats.chi2.ppf([0.005, 1 - 0.05 / 3], 2 * count)
+    for square, verdict, small in (
+        (0.98 * low, "agrees", True),
+        (1.02 * low, "agrees", False),
+        (0.98 * high, "agrees", False),
+        (1.02 * high, "differs", False),
+    ):
+        found, warnings = _judge(np.sqrt(square) * pattern, np.eye(2 * count), judged)
+        assert found == verdict and bool(warnings) == small, (square, warnings)
+    # A mean is off beyond 2.4 of its standard deviations: 5 % of three tests, to both sides.
+    for size, verdict in ((2.35, "agrees"), (2.43, "differs")):
+        off = np.zeros((count, 2))
+        off[:, 1] = -size / np.sqrt(count)
+        found, warnings = _judge(off, np.eye(2 * count), judged)
+        assert found == verdict
+        assert [text.split(" is off")[0] for text in warnings] == ["throttle"] * (size > 2.4)

@@ -27,6 +27,21 @@ class TestMotion:
         expected = ((time_s >= 2) & (time_s < 3.8)) | ((time_s >= 7) & (time_s < 8.8))
         assert (moving != expected).sum() <= 4  # rounding of the pulses' own times
 
+    @pytest.mark.parametrize(
+        ("pulses", "moving"),
+        [
+            ([1.0, 3.0, 3.6, 4.2], {3.2, 3.8}),
+            ([1.0, 1.6, 2.2, 4.2], {1.2, 1.8}),
+            ([1.0, 1.6, 3.4, 4.2], {1.2, 3.8}),
+            ([1.0, 4.2], set()),
+            ([3.0, 3.9], {3.2, 3.8}),
+        ],
+    )
+    def test_each_gap_between_two_pulses_counts_by_itself(self, pulses, moving):
+        times = [0.5, 1.2, 1.8, 2.6, 3.2, 3.8, 4.4]
+        found = moving_samples(times, pulses, longest_gap_s=1.0)
+        assert {t for t, m in zip(times, found, strict=True) if m} == moving
+
     def test_no_pulse_no_motion(self):
         assert not moving_samples(np.arange(10.0), [], longest_gap_s=1.0).any()
         assert not moving_samples(np.arange(10.0), [3.0], longest_gap_s=1.0).any()

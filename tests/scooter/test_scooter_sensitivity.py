@@ -244,3 +244,14 @@ def test_worst_cost_of_a_tilt_is_at_a_lock_or_infinite():
     assert np.isinf(cost[1])
     with pytest.raises(InputError, match="lock_rad = 0"):
         worst_error_per_tilt(body, SUZUKI_ET4D, lock_rad=0)
+
+
+@pytest.mark.parametrize("roll_deg", [-6.0, -1.0, 4.0])
+def test_worst_cost_of_a_tilt_is_the_largest_of_all_steering_angles(roll_deg):
+    """Leaning to either side, where one lock is worse than the other."""
+    lock, body = np.deg2rad(50), body_specific_force(0.0, np.deg2rad(roll_deg))
+    each = steering_error_per_tilt(
+        np.tile(body, (101, 1)), np.linspace(-lock, lock, 101), SUZUKI_ET4D
+    )
+    assert each[0] != pytest.approx(each[-1], rel=0.05)
+    assert worst_error_per_tilt(body, SUZUKI_ET4D, lock_rad=lock) == pytest.approx(each.max())

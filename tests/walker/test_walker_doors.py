@@ -35,7 +35,12 @@ from mobility_imu.walker import (
 )
 from mobility_imu.walker.arc_fit import fit_arc
 from mobility_imu.walker.calibration import calibrate_from_path
-from mobility_imu.walker.follow import _inconsistent_rests, navigate_recording
+from mobility_imu.walker.follow import (
+    _faulty_samples,
+    _inconsistent_rests,
+    _why_not_still,
+    navigate_recording,
+)
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, rotation_world_to_imu
 from mobility_imu.walker.stillness import find_stillness, stillness_signals
 from mobility_imu.walker.tilt_equations import (
@@ -493,3 +498,51 @@ def test_uncertainty_turns_with_the_axes_of_the_start():
         expected = turn[:2, :2] @ np.array([[x, xy], [xy, y]]) @ turn[:2, :2].T
         assert np.allclose(sd[k, :2] ** 2, np.diag(expected))
     assert (np.abs(path.xy_covariance_m2) > 0).any()
+
+
+@pytest.mark.parametrize(
+    ("sensor", "limit", "cut"),
+    [("acc", 20.0, True), ("acc", 14.0, False), ("gyr", 3.5, True), ("gyr", 2.5, False)],
+)
+def test_a_limit_is_told_where_a_range_may_end(sensor, limit, cut):
+    """A swing along z is cut off at its peaks; rounding of slow readings lies much lower."""
+    rng = np.random.default_rng(3)
+    readings = {
+        "acc": [0.0, 0.0, 9.8] + 0.1 * rng.standard_normal((590, 3)),
+        "gyr": 0.05 * rng.standard_normal((590, 3)),
+    }
+    swing = 1.5 * limit * np.sin(np.arange(590) / 30) ** 3
+    readings[sensor][:, 2] = np.clip(swing, -limit, limit)
+    at_limit = np.abs(swing) >= limit
+    recording = Recording(np.arange(590) / 100, {"frame": Imu(readings["acc"], readings["gyr"])})
+    (of_acc, of_gyr), warnings = _faulty_samples(recording)
+    found, other = (of_acc, of_gyr) if sensor == "acc" else (of_gyr, of_acc)
+    assert not other.any()
+    if cut:
+        assert np.array_equal(found, at_limit)
+        (said,) = warnings
+        first = recording.time_s[np.argmax(at_limit)]
+        assert (
+            f"frame_{sensor} is saturated in {at_limit.sum()} samples, first at {first:g} s" in said
+        )
+    else:
+        assert not found.any() and not warnings
+
+
+@pytest.mark.parametrize(
+    ("scatter", "mean", "says"),
+    [
+        (0.009, 0.2, "turning evenly"),
+        (0.011, 0.2, "in deg/s"),
+        (0.5, 0.0, "in deg/s"),
+    ],
+)
+def test_a_gyroscope_that_keeps_a_resting_frame_from_rest_is_told_apart(scatter, mean, says):
+    """A resting one scatters by less than 0.01 rad/s about its offset; in deg/s by more."""
+    acc = np.tile([0.0, 0.0, 9.8], (800, 1))
+    gyr = np.array([0.0, mean, 0.0]) + scatter * np.where(np.arange(800) % 2, 1, -1)[:, None]
+    settings = StillnessSettings()
+    said = _why_not_still(acc, gyr, 100.0, settings)
+    assert says in said and f"reads {mean:.2g} rad/s in the mean, with a scatter of" in said
+    acc[:, 0] += 3 * np.sin(np.arange(800) / 8)
+    assert _why_not_still(acc, gyr, 100.0, settings) == ""

@@ -20,14 +20,15 @@ from mobility_imu.reproduction.walker.studies import DATASHEET
 from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.runs import runs_of
 from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
-from mobility_imu.walker import navigation
-from mobility_imu.walker.eskf import stride_ends
+from mobility_imu.walker import _kernel, navigation
+from mobility_imu.walker.eskf import stride_ends, world_up
 from mobility_imu.walker.geometry import rotation_world_to_imu
 from mobility_imu.walker.navigation import (
     GRAVITY_MPS2,
     ClosedLoop,
     NavigationSettings,
     NavigationState,
+    corrected_state,
     error_dynamics,
     imu_output,
     integrate_strapdown,
@@ -106,6 +107,18 @@ def test_eq22_error_is_half_the_rotation_vector(seed):
     assert np.allclose(aligned(disturbed(state, error), state), error, atol=1e-9)
 
 
+@given(st.integers(0, 10**6), st.floats(1e-4, 1.0))
+@settings(max_examples=30, deadline=None)
+def test_quaternions_of_steps_and_corrections_keep_their_length(seed, size):
+    """However large the correction or the turn, and whatever the length was before."""
+    state, rng = random_state(seed)
+    longer = state._replace(quaternion=(1 + 0.1 * size) * state.quaternion)
+    corrected = corrected_state(state, size * rng.normal(size=15))
+    stepped, _ = step_transition(longer, rng.normal(size=3), rng.normal(size=3) * size, 0.1)
+    for found in (corrected, stepped):
+        assert np.isclose(np.linalg.norm(found.quaternion), 1, atol=1e-12)
+
+
 def numeric_transition(state, acc, gyr, dt):
     after, _ = step_transition(state, acc, gyr, dt)
     columns = []
@@ -128,6 +141,27 @@ def test_eq24_transition_is_the_derivative_of_the_nonlinear_step(seed):
     acc, gyr = rng.normal(size=3) * 15, rng.normal(size=3) * 2
     _, phi = step_transition(state, acc, gyr, DT)
     assert np.abs(numeric_transition(state, acc, gyr, DT) - phi).max() < 1e-6
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=20, deadline=None)
+def test_eq24_transition_holds_for_large_turns_as_far_as_its_series_goes(seed):
+    """A turn p of 0.3 rad within one interval. What is left of the bias's parts is the next term.
+
+    Right Jacobian of p: -p³/24 follows p²/6. Of half the turn: p²/24 follows p/4.
+    """
+    state, rng = random_state(seed)
+    dt, p, axis = 0.1, 0.3, rng.normal(size=3)
+    gyr = state.gyr_bias_radps + p / dt * axis / np.linalg.norm(axis)
+    acc = rng.normal(size=3) * 10
+    force = np.linalg.norm(acc - state.acc_bias_mps2)
+    _, phi = step_transition(state, acc, gyr, dt)
+    off = np.abs(numeric_transition(state, acc, gyr, dt) - phi)
+    assert off[0:3, 3:6].max() < 1.1 * dt / 2 * p**3 / 24 + 1e-9
+    by_bias = dt / 4 * 2 * dt * force * 1.1 * p**2 / 24
+    assert off[9:12, 3:6].max() < by_bias + 1e-8 and off[6:9, 3:6].max() < dt / 2 * by_bias + 1e-8
+    off[0:3, 3:6] = off[6:12, 3:6] = 0
+    assert off.max() < 1e-6
 
 
 def test_eq24_is_the_rate_of_the_transition():
@@ -350,6 +384,40 @@ def test_readable_filter_equals_the_compiled_one(walked, variant, monkeypatch):
         monkeypatch.setattr(navigation, "choose", lambda *_, way=way, **__: way)
         paths.append(integrate_strapdown(time, acc, gyr, readable.state(0), still=still))
     assert np.allclose(paths[0].position_m, paths[1].position_m, rtol=1e-12, atol=1e-9)
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-6, 0.01, 0.1, 0.126, 0.127, 1.0, 3.0])
+def test_half_a_turn_of_the_kernel_is_exact_for_small_and_large_turns(size):
+    """Its series and the functions that it stands for, on both sides of where they meet."""
+    plain = getattr(_kernel.half_turn, "py_func", _kernel.half_turn)
+    axis = np.array([0.6, -0.48, 0.64])
+    half = size / 4  # a quaternion holds half of the angle, here of half the turn
+    expected = [np.cos(half), *(np.sin(half) * axis)]
+    assert np.allclose(plain(tuple(size * axis)), expected, rtol=2e-15, atol=1e-16)
+
+
+def test_matrices_of_the_kernel_multiply_as_matrices_do():
+    """Flat, with rows of 16 numbers of which 15 count."""
+    rng = np.random.default_rng(9)
+    a, b = rng.standard_normal((2, 15, 15))
+    symmetric = a @ a.T
+    flat = {name: np.zeros(240) for name in ("a", "b", "out", "p", "work", "other", "vector")}
+    for name, values in (("a", a), ("b", b), ("p", symmetric)):
+        flat[name].reshape(15, 16)[:, :15] = values
+
+    def dense(name):
+        return flat[name].reshape(15, 16)[:, :15]
+
+    _kernel.multiply(flat["a"], flat["b"], flat["out"])
+    assert np.allclose(dense("out"), a @ b, rtol=1e-13, atol=1e-13)
+    _kernel.sandwich(flat["b"], flat["p"], flat["work"], flat["other"])
+    assert np.allclose(dense("p"), b @ symmetric @ b.T, rtol=1e-12, atol=1e-12)
+    _kernel.times_vector(flat["p"], b[0], flat["vector"])
+    assert np.allclose(flat["vector"][:15], dense("p") @ b[0], rtol=1e-12, atol=1e-12)
+    _kernel.identity(flat["out"])
+    assert np.array_equal(dense("out"), np.eye(15))
+    _kernel.transpose(flat["a"], flat["out"])
+    assert np.array_equal(dense("out"), a.T)
 
 
 def test_first_path_in_a_fresh_environment_waits_for_no_compiler(tmp_path):
@@ -707,7 +775,9 @@ def test_refuses_what_cannot_be_navigated():
         navigate(time, np.zeros_like(acc), gyr, still)
     huge = acc.copy()
     huge[250] = 1e300
-    with pytest.raises(InputError, match="the path has no finite end"), np.errstate(all="ignore"):
+    fastest = np.abs(interval_means(acc, gyr, DT)[1]).max()
+    says = rf"no finite end: the largest readings are 1e\+300 m/s² and {fastest:.3g} rad/s"
+    with pytest.raises(InputError, match=says), np.errstate(all="ignore"):
         navigate(time, huge, gyr, still)
 
 
@@ -782,7 +852,15 @@ def test_entries_of_compiled_loops_take_every_kind_of_array(entry):
 
 
 @pytest.mark.parametrize(
-    "covariance", [np.eye(6), np.full((15, 15), np.nan), -np.eye(15), np.triu(np.ones((15, 15)))]
+    "covariance",
+    [
+        np.eye(6),
+        np.full((15, 15), np.nan),
+        -np.eye(15),
+        np.diag([1.0] * 14 + [-1e-9]),
+        np.triu(np.ones((15, 15))),
+        np.eye(15) + np.eye(15, k=1) * 1e-3,
+    ],
 )
 def test_covariances_that_are_none_are_refused(covariance):
     time, acc, gyr, still = wobbling(3)
@@ -827,6 +905,25 @@ def test_settings_that_are_impossible_are_refused(name, value):
         ClosedLoop(heading_sd_rad=0)
 
 
+@pytest.mark.parametrize(
+    ("name", "low", "high"),
+    [
+        ("acc_noise_factor", 1e-12, 1e6),
+        ("gyr_bias_prior_sd_radps", 1e-12, 1e6),
+        ("resting_stride", 1, 10**6),
+        ("moving_stride", 1, 10**6),
+        ("upright_rad", 1e-12, np.pi),
+    ],
+)
+def test_settings_hold_up_to_the_sizes_that_the_filter_can_square(name, low, high):
+    for value in (low, high):
+        assert getattr(NavigationSettings(**{name: value}), name) == value
+    beyond = (0, high + 1) if isinstance(high, int) else (0.9 * low, 1.1 * high)
+    for value in beyond:
+        with pytest.raises(InputError, match=name):
+            NavigationSettings(**{name: value})
+
+
 def test_settings_take_numbers_of_numpy():
     chosen = NavigationSettings(gyr_noise_factor=np.float32(0.25), moving_stride=np.int64(8))
     assert chosen.gyr_noise_factor == 0.25 and chosen.moving_stride == 8
@@ -850,3 +947,91 @@ def test_navigation_is_a_result():
     assert np.array_equal(table[["qw", "qx", "qy", "qz"]], path.quaternion)
     assert np.array_equal(table["velocity_z_sd_mps"], path.sd[:, 11])
     assert np.array_equal(path.state(-1).velocity_mps, path.velocity_mps[-1])
+
+
+def test_the_start_is_known_as_well_as_its_rest_is_long():
+    """A bias b of the accelerometer leans the first attitude by b/g; both err together.
+
+    By finite differences: the attitude that a biased rest gives against the true one. The turn
+    about the vertical is a matter of choice.
+    """
+    rng = np.random.default_rng(6)
+    force = Rotation.random(random_state=6).inv().apply(G)
+    settings = NavigationSettings()
+    noise, bias_sd = settings.noise(), settings.acc_bias_sd_mps2
+    for rest in (100, 400):
+        count = rest + 100
+        clock, still = DT * np.arange(count), np.arange(count) < rest
+        rate = np.tile([0.01, -0.02, 0.03], (count, 1)) + np.where(still, 0, 1)[:, None]
+        true, p = navigation._start(clock, np.tile(force, (count, 1)), rate, still, settings)
+        assert np.allclose(true.gyr_bias_radps, [0.01, -0.02, 0.03])
+        up = force / np.linalg.norm(force)
+        flat = np.eye(3) - np.outer(up, up)
+        assert np.allclose(rotation_world_to_imu(true.quaternion)[:, 2], up)
+        length = rest * DT
+        size = (bias_sd**2 + noise.acc / length) / (2 * STANDARD_GRAVITY_MPS2) ** 2
+        assert np.allclose(p[0:3, 0:3], size * flat + 1e-10 * np.eye(3), rtol=1e-9, atol=1e-15)
+        b = 1e-5 * rng.normal(size=3)
+        biased, _ = navigation._start(clock, np.tile(force + b, (count, 1)), rate, still, settings)
+        error = aligned(true._replace(acc_bias_mps2=b), biased)
+        assert np.allclose(flat @ p[0:3, 12:15] @ b / bias_sd**2, flat @ error[:3], atol=1e-11)
+        assert np.array_equal(p, p.T) and np.allclose(p[12:15, 12:15], bias_sd**2 * np.eye(3))
+        gyr_var = settings.gyr_bias_sd_radps**2 + noise.gyr / length
+        assert np.allclose(p[3:6, 3:6], gyr_var * np.eye(3))
+
+
+def test_intervals_reach_from_midpoint_to_midpoint_and_moves_last_as_long():
+    clock = np.array([0.0, 0.1, 0.2, 0.5, 0.6, 0.8])
+    interval = navigation._intervals(clock)
+    assert np.allclose(interval, [0.1, 0.1, 0.2, 0.2, 0.15, 0.2])
+    still = np.array([True, False, False, True, False, True])
+    for longest, expected in ((0.31, [0, 0, 0, 0, 0, 0]), (0.29, [0, 1, 1, 0, 0, 0])):
+        found = navigation._long_moves(still, interval, longest)
+        assert found.tolist() == np.array(expected, bool).tolist()
+
+
+def test_samples_lie_in_the_middle_of_their_intervals():
+    """States are means of both ends; within strides of 2 and 3 samples variances are linear."""
+    states = np.zeros((6, 16))
+    states[:, 0] = 1.0
+    states[:, 4:] = np.arange(6)[:, None] * np.arange(1, 13)
+    variances = np.outer([0.0, 1.0, 4.0], np.ones(16))
+    variances[:, 15] *= -0.5
+    nothing = np.zeros(5)
+    path = navigation._at_samples(
+        DT * np.arange(5), states, np.array([2, 5]), variances, nothing > 0, nothing,
+        nothing.astype(int), None,
+    )  # fmt: skip
+    assert np.allclose(path.position_m, np.outer(np.arange(5) + 0.5, [1, 2, 3]))
+    assert np.allclose(path.acc_bias_mps2, np.outer(np.arange(5) + 0.5, [10, 11, 12]))
+    expected = np.array([0.25, 0.75, 1.5, 2.5, 3.5])
+    assert np.allclose(path.sd**2, expected[:, None])
+    assert np.allclose(path.xy_covariance_m2, -0.5 * expected)
+
+
+@pytest.mark.parametrize("way", ["plain", pytest.param("compiled", marks=needs_numba)])
+def test_what_is_observed_of_a_stride_is_its_mean(way, monkeypatch):
+    """Velocity and height that go from -0.1 to 0.1 within each stride observe a mean of zero."""
+    monkeypatch.setattr(navigation, "choose", lambda *_, **__: way)
+    time, acc, gyr, _ = wobbling(2)
+    rest, still = 100, np.arange(len(time)) < 100
+    chosen = NavigationSettings(resting_stride=4)
+    p, moved = 1e-4 * np.eye(15), []
+    ends = stride_ends(still, np.zeros(len(time), bool), chosen.moving_stride, 4)
+    sizes = np.diff(ends, prepend=0)
+    within = np.concatenate([np.linspace(-1, 1, n) if n > 1 else [0.0] for n in sizes])
+    for size, offset in ((0.0, 0.0), (0.1, 0.0), (0.0, 0.01)):
+        seen = (size * within + offset * (np.arange(len(time)) < rest))[:, None] * np.ones(4)
+        path = run_filter(time, acc, gyr, still, START, p, chosen, observed=seen, smooth=False)
+        moved.append(path.velocity_mps[rest - 1])
+    assert np.allclose(moved[1], moved[0], atol=1e-12)
+    # A rest of a second that is seen to move by 1 cm/s moves by that.
+    assert np.allclose(moved[2] - moved[0], 0.01, rtol=0.05)
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=20, deadline=None)
+def test_the_upward_axis_is_that_of_the_world_in_the_axes_of_the_imu(seed):
+    state, _ = random_state(seed)
+    turn = Rotation.from_quat(state.quaternion, scalar_first=True)
+    assert np.allclose(world_up(state), turn.inv().apply([0, 0, 1.0]), atol=1e-12)

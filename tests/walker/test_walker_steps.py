@@ -207,6 +207,9 @@ def test_settings_are_checked():
     for wrong in ({"least_length_m": 0}, {"least_turn_rad": 5}, {"least_length_m": "0.05"}):
         with pytest.raises(InputError, match=next(iter(wrong))):
             GaitSettings(**wrong)
+    assert GaitSettings(least_turn_rad=np.pi / 2).least_turn_rad == np.pi / 2
+    with pytest.raises(InputError, match="least_turn_rad"):
+        GaitSettings(least_turn_rad=np.deg2rad(91))
     with pytest.raises(InputError, match="longer than half of the move"):
         find_steps(replace(drawn([STEP]), stillness=StillnessSettings(margin_s=0.6)))
 
@@ -247,6 +250,11 @@ def test_turns_of_two_senses_are_two():
     assert np.allclose(turns.angle_rad, [1.0, -0.4])
     assert turns.first_step.tolist() == [0, 2] and turns.last_step.tolist() == [1, 2]
     assert np.isclose(turns.stop_s[0], steps.place_s[1])
+    table = turns.to_frame()
+    assert table["first_step"].tolist() == [1, 3] and table["last_step"].tolist() == [2, 3]
+    assert np.allclose(table["turn_deg"], np.rad2deg([1.0, -0.4]))
+    assert np.allclose(table["start_s"], steps.lift_s[[0, 2]])
+    assert np.allclose(table["stop_s"], steps.place_s[[1, 2]])
 
 
 def test_cadence_and_speed_against_truth():

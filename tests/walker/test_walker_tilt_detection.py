@@ -146,3 +146,17 @@ def test_a_movement_ends_in_the_middle_of_what_is_held_at_the_top():
     assert _end_of_movement(lean, still, slice(0, len(lean))) == 145
     lean[170] = 0.61  # nothing held: the largest angle
     assert _end_of_movement(lean, np.zeros(len(lean), bool), slice(10, len(lean))) == 170
+
+
+def test_a_tilt_lasts_from_the_last_rest_before_it_to_the_first_after():
+    path, _ = navigate_recording(tilt_recording(0, "1", IDEAL))
+    tilts, _ = find_tilts(path)
+    up = path.rotation_imu_to_world()[:, 2]
+    lean = np.arccos(np.clip(up @ up[int(np.argmax(path.still))], -1, 1))
+    upright = path.still & (lean < np.deg2rad(2))
+    assert len(tilts) == 4
+    for tilt in tilts:
+        span = tilt.span
+        assert upright[span.start] and upright[span.stop - 1]
+        assert not upright[span.start + 1 : span.stop - 1].any()
+        assert span.start < tilt.top < span.stop and np.isclose(lean[tilt.top], tilt.angle_rad)

@@ -113,6 +113,9 @@ def test_eq12_arc_cosine_is_blind_near_zero():
     small = tilt_quaternion([0, 1, 0], 1e-9)
     assert tilt_angle(small, form="printed") == 0.0
     assert np.isclose(tilt_angle(small), 1e-9, rtol=1e-9)
+    # Rounding may leave a scalar part beyond 1: no turn, or a whole one.
+    assert tilt_angle([1 + 1e-12, 0, 0, 0], form="printed") == 0.0
+    assert np.isclose(tilt_angle([-1 - 1e-12, 0, 0, 0], form="printed"), 2 * np.pi)
     with pytest.raises(InputError, match="angle_rad"):
         distance_to_edge(0.1, 0.0)
 

@@ -1,6 +1,7 @@
 """Walker: the path of the frame against simulated truth, equations 25 to 28."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from mobility_imu.simulation.walker import (
     CORRIDOR,
     REALISTIC,
     RECTANGLE,
+    Leg,
     attach_imu,
     simulate_walk,
 )
@@ -38,6 +40,8 @@ from mobility_imu.walker.navigation import (
     integrate_strapdown,
 )
 from mobility_imu.walker.trajectory import (
+    _backward_fraction,
+    _far_off,
     body_position,
     trajectory_from_path,
     walking_displacement,
@@ -240,3 +244,74 @@ def test_resting_recording_goes_nowhere():
     assert np.abs(found.position_m).max() < 2e-3 and found.stationary.all()
     with pytest.raises(InputError, match="no sensor 'frame'"):
         estimate_trajectory(Recording(time, {"lever": recording.sensors["frame"]}), FRAME, mount)
+
+
+@pytest.mark.parametrize(
+    ("place", "off"),
+    [
+        ([-0.49, 0.0, 0.5], False),
+        ([-0.51, 0.0, 0.5], True),
+        ([1.01, 0.0, 0.5], False),
+        ([1.03, 0.0, 0.5], True),
+        ([0.2, 0.79, 0.5], False),
+        ([0.2, -0.79, 0.5], False),
+        ([0.2, 0.81, 0.5], True),
+        ([0.2, -0.81, 0.5], True),
+        ([0.2, 0.0, 1.49], False),
+        ([0.2, 0.0, 1.51], True),
+        ([0.2, 0.0, -0.01], True),
+    ],
+)
+def test_a_mount_is_far_off_half_a_metre_beside_the_footprint(place, off):
+    """Of 0.60 x 0.52 m; the origin is the middle of the rear tips."""
+    said = _far_off(WalkerMount(np.eye(3), place), FRAME)
+    assert len(said) == off and all("far off a frame of 0.6 x 0.52 m" in text for text in said)
+
+
+@pytest.mark.parametrize("heading", [0.0, 2.0])
+def test_the_backward_part_of_the_way_is_that_of_steps_against_the_forward_axis(heading):
+    """Rests at 0, 0.6, 0.4 and 1.0 m ahead: 0.2 of 1.4 m; of less than a metre nothing is said."""
+    turn = Rotation.from_rotvec([0, 0, heading]).as_matrix()
+    along = np.interp(
+        np.arange(70), [0, 10, 20, 30, 35, 45, 55, 69], [0, 0, 0.6, 0.6, 0.4, 0.4, 1, 1]
+    )
+    still = np.zeros(70, bool)
+    for rest in (slice(0, 11), slice(20, 31), slice(35, 46), slice(55, 70)):
+        still[rest] = True
+    position, attitude = np.outer(along, turn[:, 0]), np.tile(turn, (70, 1, 1))
+    assert _backward_fraction(position, attitude, still) == pytest.approx(0.2 / 1.4)
+    assert _backward_fraction(-position, attitude, still) == pytest.approx(1.2 / 1.4)
+    assert _backward_fraction(-0.7 * position, attitude, still) == 0.0
+
+
+def test_each_error_of_a_mount_by_itself_moves_the_path_as_stated():
+    """Two legs at right angles: the arm's errors by the turn, the heading's across the way."""
+    path, _ = navigate_recording(walked(course=(Leg(2.0, np.pi / 2), Leg(1.0))).recording)
+    mount = pose_mount("1")
+    arm_sd, heading_sd = np.array([0.02, 0.03, 0.01]), 0.01
+
+    def place(**changes):
+        return trajectory_from_path(path, replace(mount, **changes)).position_m
+
+    def extra(**sds):
+        """Variances by what is stated of the mount."""
+        known = {"translation_sd_m": None, "rotation_sd_rad": None}
+        with_, without = (
+            trajectory_from_path(path, replace(mount, **{**known, **each})) for each in (sds, {})
+        )
+        return with_.position_sd_m**2 - without.position_sd_m**2
+
+    arm = mount.translation_body_m
+    moved = [(place(translation_body_m=arm + e) - place()) / 1e-4 for e in 1e-4 * np.eye(3)]
+    expected = np.einsum("inj,i->nj", np.square(moved), arm_sd**2)
+    assert np.allclose(extra(translation_sd_m=arm_sd), expected, atol=1e-9)
+    assert expected.max() > 1e-3
+    # Without an arm, a mount that is turned by e turns the way by -e.
+    turn = Rotation.from_rotvec([0, 0, 1e-4]).as_matrix() @ mount.rotation_imu_to_body
+    zero = np.zeros(3)
+    across = place(rotation_imu_to_body=turn, translation_body_m=zero)
+    across = (across - place(translation_body_m=zero)) / 1e-4 * heading_sd
+    mount = replace(mount, translation_body_m=zero)
+    found = extra(rotation_sd_rad=[0.0, 0.0, heading_sd])
+    assert np.allclose(found[:, :2], across[:, :2] ** 2, rtol=1e-3, atol=1e-7)
+    assert not found[:, 2].any() and found.max() > (1.9 * heading_sd) ** 2

@@ -39,6 +39,8 @@ from mobility_imu.wheelchair import (
 )
 from mobility_imu.wheelchair.calibration import (
     _axle,
+    _longest_way,
+    _straightest,
     alignment_matrix,
     axle_direction,
     frame_alignment_angles,
@@ -279,3 +281,63 @@ def test_what_the_frame_turns_by_is_no_loose_sensor():
     with_frame = Recording(recording.time_s, sensors, source="rough")
     direction, fraction = _axle(with_frame, "left", up)
     assert fraction > 0.2 and direction @ axle > 0.999
+
+
+@given(st.integers(0, 10**6), st.integers(1, 25))
+@settings(deadline=None, max_examples=60)
+def test_the_longest_way_on_one_heading_is_that_of_all_pairs(seed, count):
+    rng = np.random.default_rng(seed)
+    heading = np.cumsum(rng.standard_normal(count))
+    way = np.cumsum(rng.uniform(0.1, 1, count))
+    pairs = [
+        (first, last)
+        for first in range(count)
+        for last in range(first, count)
+        if np.ptp(heading[first : last + 1]) <= 2.0
+    ]
+    first, last = _longest_way(heading, way, 2.0)
+    assert way[last] - way[first] == pytest.approx(max(way[k] - way[j] for j, k in pairs))
+    assert (first, last) in pairs
+
+
+@pytest.mark.parametrize(
+    ("straight_s", "swing", "works"), [(4.0, 1.5, True), (4.0, 0.0, False), (0.5, 1.5, False)]
+)
+def test_the_straightest_part_has_to_be_long_and_to_change_its_speed(straight_s, swing, works):
+    """Two bends with a straight line between them; each condition by itself refuses the trial."""
+    count, bend = round(100 * straight_s), np.full(300, 1.0)
+    up = np.array([0.0, 0.0, 1.0])
+    yaw = np.r_[bend, np.zeros(count), -bend]
+    # The wheels' rate swings along the straight line alone.
+    rate = 4.0 + np.r_[0 * bend, swing * np.sin(np.linspace(0, 2 * np.pi, count)), 0 * bend]
+    acc = np.tile(STANDARD_GRAVITY_MPS2 * up, (len(yaw), 1))
+    sensors = {"frame": Imu(acc, np.outer(yaw, up)), "left_wheel": Imu(acc, np.outer(rate, up))}
+    trial = Recording(np.arange(len(yaw)) / 100, sensors)
+    part, refusal, notes = _straightest(trial, up, ["left"])
+    assert bool(notes) == works and bool(refusal) != works
+    if works:
+        assert straight_s < part.time_s[-1] - part.time_s[0] < straight_s + 2 * np.deg2rad(46)
+        assert "only its straightest part is used" in notes[0]
+
+
+def test_offsets_at_rest_are_found_and_taken_off():
+    """Of both trials: each rests for a second or more at its beginning."""
+    static, straight, _ = trials(SAMPLE_CHAIR, 8)
+    offset = np.deg2rad([1.0, -2.0, 1.5])
+    shifted = [
+        Recording(
+            run.recording.time_s,
+            {k: Imu(v.acc_mps2, v.gyr_radps + offset) for k, v in run.recording.sensors.items()},
+        )
+        for run in (static, straight)
+    ]
+    plain, found = calibrated(static, straight), calibrate_mount(*shifted)
+    assert set(found.offsets) == {"frame", "left_wheel", "right_wheel"}
+    for each in found.offsets.values():
+        assert each.offset_radps == pytest.approx(offset, abs=1e-9)
+    as_they_are = calibrate_mount(*shifted, take_off_offsets=False)
+    assert not as_they_are.offsets
+    for side in ("left", "right"):
+        axle = plain.mount.rotation_imu_to_wheel(side)[2]
+        assert found.mount.rotation_imu_to_wheel(side)[2] == pytest.approx(axle, abs=1e-9)
+        assert as_they_are.mount.rotation_imu_to_wheel(side)[2] @ axle < 1 - 1e-6

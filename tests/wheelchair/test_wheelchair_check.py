@@ -17,10 +17,15 @@ from mobility_imu.wheelchair import SAMPLE_CHAIR, calibrate_mount, check_geometr
 from mobility_imu.wheelchair.check import (
     GYROSCOPE_AXIS_SD_RAD,
     GYROSCOPE_SCALE_SD,
+    _agreement,
     _camber,
+    _Distances,
     _fit,
     _Gyroscopes,
+    _known,
     _lag,
+    _on_camber,
+    _on_distances,
 )
 
 CALIBRATED = {"gyr_scale_sd": 0.003, "gyr_axis_sd_rad": float(np.deg2rad(0.1))}
@@ -244,3 +249,122 @@ def test_an_offset_that_contradicts_the_rest_widens_the_uncertainty():
     after = check_geometry(changed, court.geometry, cal.mount, offsets=cal.offsets)
     assert after.track_sd_m > 1.5 * before.track_sd_m
     assert abs(after.track_m - court.geometry.track_m) < 3 * after.track_sd_m
+
+
+def test_the_lag_is_found_through_the_noise_of_samples():
+    """Turns of 0.9 rad/s every seven seconds; each sample's noise is half as large as they are.
+
+    The best that any estimate can do is 14 ms: sqrt(2) of the noise over the root mean square of
+    the turns' slope and the root of 6000 samples. The products of single samples alone do worse.
+    """
+    rng = np.random.default_rng(76)
+    time_s = np.arange(6000) / 100
+    errors = []
+    for late in (-0.1, 0.0, 0.1):
+        yaw, wheels = (0.9 * np.sin(0.9 * (time_s - by)) ** 3 for by in (0.0, late))
+        for _ in range(5):
+            noise = 0.45 * rng.standard_normal((2, len(time_s)))
+            errors.append(_lag(yaw + noise[0], wheels + noise[1], 100.0) - late)
+    assert rms(errors) < 0.03, errors
+
+
+def test_a_camber_of_zero_is_as_uncertain_as_its_cosine_makes_it():
+    """cos(c) = 1 - s has c = sqrt(2 s): an error s of the cosine hides a camber of that size."""
+    yaw, turning = np.linspace(0.5, 2.0, 200), np.ones(200, bool)
+    upright = np.column_stack([yaw, 0 * yaw, 0 * yaw])
+    for gain_sd in (0.003, 0.01):
+        camber, sd = _camber(upright, upright, yaw, turning, gain_sd)
+        hidden = np.arccos(1 - np.hypot(0.0015, gain_sd))
+        assert camber == 0 and 0.4 * hidden < sd < hidden
+
+
+def test_residuals_that_last_are_taken_in_blocks_of_a_second():
+    """A wheel whose rate errs by as much from half second to half second, or in each sample."""
+    recording, mount = turns()
+    time_s = recording.time_s
+    rng = np.random.default_rng(77)
+    knots = np.arange(0, time_s[-1] + 0.5, 0.5)
+    lasting = np.interp(time_s, knots, np.sqrt(1.5) * rng.standard_normal(len(knots)))
+    axle = mount.rotation_imu_to_wheel("left")[2]
+    wheel, sd = recording.sensors["left_wheel"], []
+    for error in (lasting, rng.standard_normal(len(time_s))):
+        gyr = wheel.gyr_radps + 0.12 * error[:, None] * axle
+        sensors = {**recording.sensors, "left_wheel": Imu(wheel.acc_mps2, gyr)}
+        sd.append(check_geometry(Recording(time_s, sensors), SAMPLE_CHAIR, mount).radius_ratio_sd)
+    # Beside it stands what scale factors leave open: 0.3 % of either wheel.
+    by_noise = np.sqrt(np.square(sd) - 2 * 0.003**2)
+    assert by_noise[0] > 3 * by_noise[1], sd
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+@pytest.mark.parametrize("sd", [0.05, 0.5])
+def test_what_is_known_of_one_unknown_is_one_more_observation(place, sd):
+    """The information of both adds up; a contradiction of more than one sd widens the rest."""
+    rng = np.random.default_rng(78)
+    root = rng.standard_normal((3, 3))
+    covariance, found = root @ root.T, 0.3 * rng.standard_normal(3)
+    information = np.linalg.inv(covariance)
+    both = information + np.diag(np.eye(3)[place]) / sd**2
+    for factor in (1.0, 5.0):
+        there = factor * found
+        known, spread = _known(there, covariance, place, sd)
+        assert known == pytest.approx(np.linalg.solve(both, information @ there))
+        widened = max(1.0, there[place] ** 2 / (covariance[place, place] + sd**2))
+        assert spread == pytest.approx(widened * np.linalg.inv(both))
+
+
+def test_yaw_rates_are_compared_sample_by_sample():
+    """Wheels that read 1.2 times the frame's rate, which turns by 5 rad, then 5 rad back."""
+    yaw = np.repeat([0.0, 1.0, 0.0, -1.0, 0.0, 0.2], [200, 500, 200, 500, 200, 300])
+    usable = np.ones(len(yaw), bool)
+    found = _agreement(yaw, 1.2 * yaw, 100.0, usable)
+    assert found["gain"] == pytest.approx(1.2) and found["correlation"] == pytest.approx(1.0)
+    assert found["residual_radps"] == pytest.approx(0.2 * np.sqrt(np.mean(yaw**2)))
+    # The mean over a second makes a ramp of a second of each end: 0.3² / 2 lie below 0.3 rad/s.
+    assert found["turned_rad"] == pytest.approx(10 - 4 * 0.045, abs=0.02)
+    assert abs(found["lag_s"]) < 0.002  # a fifth of a sample
+    usable[200:700] = False
+    half = _agreement(yaw, np.where(usable, -yaw, 9.0), 100.0, usable)
+    assert half["gain"] == pytest.approx(-1.0) and half["correlation"] == pytest.approx(-1.0)
+    # Of the first turn the ramps are left that reach out of it, from 0.5 to 0.3 rad/s.
+    assert half["turned_rad"] == pytest.approx(5 - 2 * 0.045 + 2 * 0.08, abs=0.02)
+    still = _agreement(0 * yaw, 0 * yaw, 100.0, usable)
+    assert np.isnan([still["gain"], still["correlation"], still["lag_s"]]).all()
+    assert still["residual_radps"] == still["turned_rad"] == 0
+
+
+@pytest.mark.parametrize(
+    ("off", "sd", "mismatch", "mismatch_sd", "says"),
+    [
+        (0.009, 0.001, 0.0, 0.001, ""),
+        (0.011, 0.001, 0.0, 0.001, "a track of 0.851 m, not 0.840 m (+0.011 m)"),
+        (-0.011, 0.001, 0.0, 0.001, "both radii should be +1.3%"),
+        (0.020, 0.007, 0.0, 0.001, ""),
+        (0.0, 0.001, 0.0049, 0.001, ""),
+        (0.0, 0.001, 0.0051, 0.001, "should be 0.9949 times"),
+        (0.0, 0.001, -0.0051, 0.001, "should be 1.0051 times"),
+        (0.0, 0.001, 0.02, 0.007, ""),
+        (0.0, 0.001, 0.19, 0.001, "should be 0.8100 times"),
+        (0.0, 0.001, 0.21, 0.001, "speeds differ by 21%"),
+        (-0.640, 0.001, 0.0, 0.001, ""),
+        (-0.650, 0.001, 0.0, 0.001, "gain -0.03): left and right wheel sensor are swapped"),
+    ],
+)
+def test_what_a_tape_cannot_err_by_is_told(off, sd, mismatch, mismatch_sd, says):
+    """Beyond a centimetre of track, half a percent of a radius, and three standard deviations."""
+    distance = SAMPLE_CHAIR.wheel_centre_distance_m + off
+    said = _on_distances(SAMPLE_CHAIR, _Distances(distance, sd, mismatch, mismatch_sd, sd))
+    if off == -0.640:  # between: no distance at all, but not the other way round
+        assert len(said) == 1 and "a track of 0.200 m" in said[0]
+    else:
+        assert [says in text for text in said] == [True] * bool(says)
+
+
+@pytest.mark.parametrize(
+    ("camber_deg", "sd_deg", "told"),
+    [(20.9, 0.1, False), (21.1, 0.1, True), (16.9, 0.1, True), (24.0, 2.0, False)],
+)
+def test_a_camber_is_told_beyond_two_degrees(camber_deg, sd_deg, told):
+    said = _on_camber(SAMPLE_CHAIR, *np.deg2rad([camber_deg, sd_deg]))
+    assert len(said) == told
+    assert all(f"a camber of {camber_deg} deg, not 19.0 deg" in text for text in said)

@@ -183,3 +183,20 @@ def test_wheel_centres_too_close_for_a_chair_are_refused():
 def test_the_documents_axes_cannot_be_changed():
     with pytest.raises(ValueError, match="read-only"):
         DOCUMENT_TO_CHAIR[0, 0] = 2.0
+
+
+@pytest.mark.parametrize(
+    ("name", "within", "beyond"),
+    [
+        ("camber_deg", 35.0, 35.1),
+        ("camber_deg", -5.7, -5.8),
+        ("wheel_radius_left_m", 0.1, 0.099),
+        ("wheel_radius_right_m", 0.5, 0.501),
+    ],
+)
+def test_what_no_chair_has_is_refused_from_the_limit_on(name, within, beyond):
+    usual = {"wheel_radius_left_m": 0.3, "wheel_radius_right_m": 0.3, "track_m": 0.8}
+    usual["camber_deg"] = 10.0
+    WheelchairGeometry.from_degrees(**{**usual, name: within})
+    with pytest.raises(InputError, match=f"{name} = "):
+        WheelchairGeometry.from_degrees(**{**usual, name: beyond})

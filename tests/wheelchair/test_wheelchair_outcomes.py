@@ -312,6 +312,20 @@ class TestPushes:
         assert found.onset_s == pytest.approx([1.0], abs=0.08)
         assert found.speed_gain_mps == pytest.approx([1.0], abs=0.1)
 
+    @pytest.mark.parametrize(
+        ("samples", "pause"), [(2, False), (40, False), (42, True), (90, True)]
+    )
+    def test_a_minimum_longer_than_two_fifths_of_a_second_is_a_pause(self, samples, pause):
+        """The push starts where the minimum begins, or where the pause ends."""
+        fall, rise = np.linspace(1.0, 0.6, 50), np.linspace(0.6, 1.2, 60)
+        velocity = np.r_[fall, np.full(samples, 0.5), rise, np.full(30, 1.0)]
+        found = detect_pushes(
+            np.arange(len(velocity)) / 100, velocity, PushSettings(smoothing_s=1e-3)
+        )
+        assert found.onset_s == pytest.approx([(49 + samples if pause else 50) / 100])
+        assert found.peak_s == pytest.approx([(109 + samples) / 100])
+        assert found.speed_gain_mps == pytest.approx([0.7])
+
     def test_backward_and_rest_have_no_pushes(self):
         time_s = np.arange(0, 5, 0.01)
         for velocity in (0 * time_s, -1 - 0.2 * np.sin(2 * np.pi * time_s)):

@@ -7,6 +7,7 @@ import pytest
 from chairs import trials
 
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.runs import runs_of
 from mobility_imu.simulation.sensor import MTI_1
 from mobility_imu.simulation.wheelchair import random_court, random_mounting, simulate_drive
 from mobility_imu.simulation.wheelchair.chair import Leg
@@ -115,3 +116,67 @@ def test_exact_readings_of_a_steady_motion_are_no_limit():
 def test_the_sample_chair_is_below_every_limit():
     for run in trials(SAMPLE_CHAIR, 3):
         assert not saturated_gyroscopes(run.recording, run.recording.sensors)
+
+
+def clipped(limit_radps):
+    """A sensor whose z axis swings beyond a limit; the others tremble."""
+    rng = np.random.default_rng(4)
+    gyr = 0.1 * rng.standard_normal((300, 3))
+    swing = 1.5 * limit_radps * np.sin(np.arange(300) / 40) ** 3
+    gyr[:, 2] = np.clip(swing, -limit_radps, limit_radps)
+    acc = np.tile([0.0, 0.0, 9.8], (300, 1))
+    return Recording(np.arange(300) / 100, {"frame": Imu(acc, gyr)})
+
+
+@pytest.mark.parametrize("range_degps", [125, 300, 350, 400, 450, 500, 600, 900, 1000, 1200, 2000])
+def test_ranges_that_are_sold_are_limits_to_two_percent(range_degps):
+    """The fastest axis stays at the limit for half a second while the others still change."""
+    for own, counts in ((1.0, True), (0.981, True), (1.019, True), (0.97, False), (1.03, False)):
+        limit = np.deg2rad(range_degps * own)
+        recording = clipped(limit)
+        found = saturated_gyroscopes(recording, ["frame"])
+        assert bool(found) == counts
+        if counts:
+            at_limit = np.abs(recording.gyroscope("frame")[:, 2]) == limit
+            assert np.array_equal(found["frame"], at_limit)
+
+
+@pytest.mark.parametrize(
+    ("largest_degps", "counts"),
+    [(239.9, False), (240.2, True), (247.5, True), (254.9, True), (255.1, False)],
+)
+def test_ranges_that_are_neighbours_leave_no_gap(largest_degps, counts):
+    """245 deg/s less 2 % to 250 deg/s and 2 %."""
+    recording = clipped(np.deg2rad(largest_degps))
+    assert bool(saturated_gyroscopes(recording, ["frame"])) == counts
+
+
+@pytest.mark.parametrize(("rate_hz", "shortest"), [(50, 3), (100, 5), (200, 10)])
+def test_a_limit_is_held_for_a_twentieth_of_a_second(rate_hz, shortest):
+    """Three samples at least; a peak in coarse steps repeats itself for less."""
+    limit = np.deg2rad(RANGE_DEGPS)
+    for held in (shortest - 1, shortest):
+        rng = np.random.default_rng(5)
+        up = np.arange(0.0, limit, 0.5)
+        peak = np.r_[up, np.full(held, limit), up[::-1], np.zeros(30)]
+        gyr = 0.05 * rng.standard_normal((4 * len(peak), 3))
+        gyr[:, 2] = np.tile(peak, 4) + 0.01 * rng.standard_normal(len(gyr)) * (
+            np.tile(peak, 4) < limit
+        )
+        acc = np.tile([0.0, 0.0, 9.8], (len(gyr), 1))
+        recording = Recording(np.arange(len(gyr)) / rate_hz, {"frame": Imu(acc, gyr)})
+        found = saturated_gyroscopes(recording, ["frame"])
+        assert bool(found) == (held == shortest)
+        if found:
+            assert np.array_equal(found["frame"], gyr[:, 2] == limit)
+
+
+def test_a_recording_may_begin_and_end_at_the_limit():
+    whole = clipped(np.deg2rad(RANGE_DEGPS))
+    at_limit = np.abs(whole.gyroscope("frame")[:, 2]) == np.deg2rad(RANGE_DEGPS)
+    first, last, *_ = runs_of(at_limit)
+    part = slice(first.stop - 10, last.start + 10)
+    imu = whole.sensors["frame"]
+    cut = Imu(imu.acc_mps2[part], imu.gyr_radps[part])
+    found = saturated_gyroscopes(Recording(whole.time_s[part], {"frame": cut}), ["frame"])
+    assert np.array_equal(found["frame"], at_limit[part]) and found["frame"][[0, -1]].all()

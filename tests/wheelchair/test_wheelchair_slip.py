@@ -27,6 +27,8 @@ from mobility_imu.wheelchair import (
 from mobility_imu.wheelchair.slip import (
     SlipSettings,
     SlipWindows,
+    Source,
+    WheelSpeeds,
     correct_slip,
     detect_slip,
     wheel_speeds,
@@ -174,6 +176,12 @@ def test_a_report_of_nothing_has_no_share():
         ([3], [2], "end before the next one begins"),
         ([3, 4], [5, 6], "end before the next one begins"),
         ([-1], [2], "end before the next one begins"),
+        # one wrong window among right ones
+        ([-1, 4, 9], [2, 6, 12], "end before the next one begins"),
+        ([1, 4, 9], [2, 3, 12], "end before the next one begins"),
+        ([1, 4, 6], [2, 6, 12], "end before the next one begins"),
+        ([1.5, 4], [2, 6], "whole numbers"),
+        ([1, 4], [2, 6.5], "whole numbers"),
         ([1.5], [2], "whole numbers"),
         ([1], [2, 3], "as many first as last"),
         ([np.nan], [2], "windows.first: sample 0 is nan"),
@@ -215,3 +223,54 @@ def test_rates_that_no_sensor_has_are_refused(rate):
 def test_sources_that_are_none_are_refused(source):
     with pytest.raises(InputError, match="source"):
         slip_report([1.0], [1.0], SlipWindows([], []), 100, source=source)
+
+
+@pytest.mark.parametrize("method", ["tool", "wheels"])
+def test_of_several_windows_only_the_long_ones_are_corrected(method):
+    """Three windows in which the left wheel spins: 50 ms, 300 ms, and 50 ms again."""
+    windows = SlipWindows([20, 60, 120], [24, 89, 124])
+    spin = windows.flags(200).astype(float)
+    speeds = wheel_speeds(1 + 0.5 * spin, -spin / SAMPLE_CHAIR.track_m, 0 * spin, SAMPLE_CHAIR)
+    assert np.allclose(speeds.left, 1 + spin) and np.allclose(speeds.right, 1)
+    velocity = (speeds.left + speeds.right) / 2
+    corrected = correct_slip(velocity, 0 * spin, windows, 100, wheels=speeds, method=method)
+    assert np.allclose(corrected, 1 + 0.5 * spin * (np.arange(200) // 60 != 1), atol=EXACT)
+
+
+@pytest.mark.parametrize(
+    ("off", "apart", "source"),
+    [
+        (0.4, 1.0, Source.LEFT_WHEEL),  # nearer to the acceleration than to the other wheel
+        (-0.4, -1.0, Source.LEFT_WHEEL),
+        (0.6, 1.0, Source.ACCELERATION),  # nearer to the other wheel
+        (1.4, -1.0, Source.RIGHT_WHEEL),
+        (0.14, 0.1, Source.LEFT_WHEEL),  # within 0.09 m/s, root mean square
+        (0.16, 0.1, Source.ACCELERATION),
+    ],
+)
+def test_the_wheel_that_rolls_is_near_the_acceleration_or_far_from_the_other(off, apart, source):
+    """At a steady 1 m/s both wheels rise and fall again, with a root mean square of sqrt(3/8)."""
+    bump = np.zeros(300)
+    bump[100:200] = np.sin(np.pi * (np.arange(100) + 0.5) / 100) ** 2
+    speeds = WheelSpeeds(1 + off * bump, 1 + (off + apart) * bump)
+    found = slip_sources(speeds, np.zeros(300), SlipWindows([100], [199]), 100)
+    assert (found[100:200] == source).all() and not found[:100].any() and not found[200:].any()
+
+
+def test_a_report_states_share_change_and_source_of_each_window():
+    """100 samples; windows of 4 and of 10, of which the second takes one wheel, then the other."""
+    windows = SlipWindows([10, 30], [13, 39])
+    source = np.zeros(100)
+    source[30:39], source[39] = Source.LEFT_WHEEL, Source.RIGHT_WHEEL
+    before = np.zeros(100)
+    after = 0.02 * np.arange(100) * (source > 0)
+    report = slip_report(before, after, windows, 50, SlipSettings(shortest_s=0.1), source=source)
+    assert report.start_s.tolist() == [0.2, 0.6] and report.end_s.tolist() == [0.26, 0.78]
+    assert report.corrected.tolist() == [False, True]
+    assert report.largest_change_mps == pytest.approx([0.0, 0.78])
+    assert report.sources == ("both wheels", "left wheel and right wheel")
+    assert report.share == pytest.approx(0.14) and report.corrected_share == pytest.approx(0.1)
+    table = report.to_frame()
+    assert table["speed_from"].tolist() == list(report.sources) and report.largest_change == 0.78
+    one = slip_report([1.0], [2.0], SlipWindows([0], [0]), 50, SlipSettings(shortest_s=1e-3))
+    assert one.share == one.corrected_share == 1 and one.sources == ("acceleration",)

@@ -11,6 +11,7 @@ import pytest
 from chairs import trials
 
 from mobility_imu.errors import InputError
+from mobility_imu.offsets import GyroscopeOffset
 from mobility_imu.recording import Recording
 from mobility_imu.simulation.sensor import MTI_1
 from mobility_imu.simulation.wheelchair import random_court
@@ -21,7 +22,15 @@ from mobility_imu.wheelchair import (
     calibrate_mount,
     estimate_velocity,
 )
-from mobility_imu.wheelchair.uncertainty import wheel_yaw_standard_deviation
+from mobility_imu.wheelchair.uncertainty import (
+    speed_uncertainty,
+    wheel_yaw_standard_deviation,
+)
+from mobility_imu.wheelchair.velocity import (
+    linear_velocity,
+    single_wheel_velocity,
+    wheel_spin_rate,
+)
 
 ASSUMED = AssumedErrors()
 
@@ -118,3 +127,98 @@ def test_radii_of_a_turn_on_the_spot_and_of_a_straight_line():
     # On a left turn about the left wheel only the right one rolls.
     (pivot,) = wheel_yaw_standard_deviation([1.0], [distance / 2], SAMPLE_CHAIR, **only_radii)
     assert pivot == pytest.approx(0.001 / radius.right)
+
+
+KNOWN = GyroscopeOffset(np.zeros(3), np.zeros((3, 3)), np.zeros(3), 1.0)
+NOTHING = AssumedErrors(*(0.0 for _ in ASSUMED.__dict__))
+
+
+def speed_of(rates, geometry, sides):
+    """Speed by one wheel or two, from rates in the axes of chair and wheels."""
+    spins = {side: rates[f"{side}_wheel"][:, 2] for side in sides}
+    yaw = rates["frame"][:, 2]
+    if len(sides) == 1:
+        (side,) = sides
+        return single_wheel_velocity(spins[side], yaw, geometry, side=side)
+    left, right = (
+        wheel_spin_rate(spins[side], yaw, geometry.camber_rad, side=side) for side in sides
+    )
+    return linear_velocity(left, right, geometry)
+
+
+@pytest.mark.parametrize("sides", [("left",), ("right",), ("left", "right")])
+def test_each_error_by_itself_moves_the_speed_as_stated(sides):
+    """Lengths and angles of the chair through the equations of the speed, one at a time."""
+    rng = np.random.default_rng(8)
+    names = ["frame", *(f"{side}_wheel" for side in sides)]
+    rates = {name: rng.standard_normal((40, 3)) for name in names}
+    rates["frame"][:, 1] = 0.3  # an even pitch rate has itself as its root mean square
+    mount = calibrate_mount(*(run.recording for run in trials(SAMPLE_CHAIR, 3)[:2])).mount
+    radius, yaw = SAMPLE_CHAIR.wheel_radius_m, rates["frame"][:, 2]
+
+    def stated(**errors):
+        found = speed_uncertainty(
+            rates,
+            np.zeros(40) if len(sides) == 2 else None,
+            SAMPLE_CHAIR,
+            mount,
+            100.0,
+            offsets=dict.fromkeys(names, KNOWN),
+            errors=replace(NOTHING, **errors),
+        )
+        return found.linear_velocity_sd_mps
+
+    def moved(field, by):
+        changed = replace(SAMPLE_CHAIR, **{field: getattr(SAMPLE_CHAIR, field) + 1e-6})
+        return by / 1e-6 * (speed_of(rates, changed, sides) - speed_of(rates, SAMPLE_CHAIR, sides))
+
+    def sum_of(parts):
+        return np.sqrt(np.square(list(parts)).sum(axis=0))
+
+    def by_rates(wheels, frame):
+        """Errors of the rates about the axles, in half of the speed each, and of the yaw rate."""
+        halves = [radius.of(s) * wheels(rates[f"{s}_wheel"]) / len(sides) for s in sides]
+        centre = SAMPLE_CHAIR.wheel_centre(sides[0])[1] if len(sides) == 1 else 0.0
+        return sum_of([*halves, centre * frame(rates["frame"])])
+
+    radii = [moved(f"wheel_radius_{s}_m", 0.01 * radius.of(s)) for s in sides]
+    assert np.allclose(stated(radius_sd=0.01), sum_of(radii), rtol=1e-5)
+    if len(sides) == 1:
+        assert np.allclose(stated(track_sd_m=0.02), np.abs(moved("track_m", 0.02)), rtol=1e-5)
+        by_camber = np.abs(moved("camber_rad", 0.03))
+        assert np.allclose(stated(camber_sd_rad=0.03), by_camber, rtol=1e-4, atol=1e-9)
+    for error, size in (
+        ("scale_sd", lambda rate: 0.01 * rate[:, 2]),
+        ("axis_sd_rad", lambda rate: 0.01 * np.hypot(rate[:, 0], rate[:, 1])),
+        ("timing_sd_samples", lambda rate: 0.01 * np.gradient(rate[:, 2])),
+    ):
+        assert np.allclose(stated(**{error: 0.01}), by_rates(size, size)), error
+    assert np.allclose(stated(point_height_m=0.4), 0.4 * 0.3)
+    assert not stated().any() and np.abs(yaw).max() > 1
+
+
+def test_disagreement_and_offsets_are_in_the_speed():
+    """Wheels that differ by w from the frame: half a track of w. Offsets of the axles: half."""
+    rates = {name: np.zeros((40, 3)) for name in ("frame", "left_wheel", "right_wheel")}
+    mount = calibrate_mount(*(run.recording for run in trials(SAMPLE_CHAIR, 3)[:2])).mount
+
+    def stated(disagreement, offsets):
+        given = rates, np.full(40, disagreement), SAMPLE_CHAIR, mount, 100.0
+        return speed_uncertainty(*given, offsets=offsets, errors=NOTHING)
+
+    known = dict.fromkeys(rates, KNOWN)
+    found = stated(0.2, known)
+    assert np.allclose(found.linear_velocity_sd_mps, 0.2 * SAMPLE_CHAIR.track_m / 2)
+    assert not found.yaw_rate_sd_radps.any()
+    known["right_wheel"] = replace(KNOWN, covariance=0.01**2 * np.eye(3))
+    known["frame"] = replace(KNOWN, noise_radps=[0.02] * 3)
+    found = stated(0.0, known)
+    right = SAMPLE_CHAIR.wheel_radius_right_m
+    assert np.allclose(found.linear_velocity_sd_mps, 0.01 * right / 2)
+    assert np.allclose(found.yaw_rate_sd_radps, 0.02)
+
+
+def test_a_sample_lies_anywhere_in_its_interval():
+    """The assumed timing error is the standard deviation of a place within one sample."""
+    anywhere = (np.arange(10_000) + 0.5) / 10_000
+    assert AssumedErrors().timing_sd_samples == pytest.approx(anywhere.std(), rel=1e-4)
