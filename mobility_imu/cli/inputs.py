@@ -55,7 +55,6 @@ def parse_units(units: list[str] | None) -> dict[str, str]:
 def read_input(
     path: Path,
     device: str,
-    *,
     sampling_rate_hz: float | None,
     fill_gaps_s: float = 0.0,
     units: list[str] | None = None,

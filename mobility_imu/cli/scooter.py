@@ -14,7 +14,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
-    from mobility_imu.scooter import PoseCheck
+    from mobility_imu.scooter import PoseCheck, PoseCheckSettings
     from mobility_imu.scooter.angles import Form as LibraryForm
 
 Method = Literal["closed-form", "fusion"]
@@ -85,14 +85,7 @@ def angles(
         smooth=not causal,
     )
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
-    ride = read_input(
-        recording,
-        "scooter",
-        sampling_rate_hz=sampling_rate_hz,
-        fill_gaps_s=fill_gaps_s,
-        units=unit,
-        strict=strict,
-    )
+    ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s, unit, strict)
     if "body" not in ride.sensors and not single_imu:
         raise InputError(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone give --single-imu"
@@ -189,28 +182,12 @@ def check(
     Park, set the controls to known angles, hold each pose for two seconds or more. The book's page
     "Judge your own scooter" has the whole protocol.
     """
-    import dataclasses
-
-    import numpy as np
-
     from mobility_imu.cli.summaries import pose_check_lines, read_line, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import (
-        PoseCheckSettings,
-        ScooterGeometry,
-        ScooterMount,
-        check_poses,
-    )
+    from mobility_imu.scooter import ScooterGeometry, ScooterMount, check_poses
 
     outputs = Outputs({"--output": output}, (*recording_files(parked), geometry, poses))
-    if not 0 < scale_sd_deg <= LARGEST_SCALE_SD_DEG:
-        raise InputError(
-            f"--scale-sd-deg {scale_sd_deg:g}: expected above 0 and up to {LARGEST_SCALE_SD_DEG:g}"
-        )
-    make = PoseCheckSettings.for_calibrated_imus if sensors == "calibrated" else PoseCheckSettings
-    settings = dataclasses.replace(make(method), scale_sd_rad=float(np.deg2rad(scale_sd_deg)))
-    if kept_on:
-        settings = settings.kept_on()
+    settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad = read_poses(poses)
     recording = read_input(
@@ -223,6 +200,25 @@ def check(
         written.append(written_line([output]))
     typer.echo(check_text(found))
     summarize([read_line(recording), *pose_check_lines(found), *written], quiet)
+
+
+def _check_settings(
+    method: Method, sensors: Sensors, scale_sd_deg: float, kept_on: bool
+) -> PoseCheckSettings:
+    """Settings of ``scooter check`` from its options."""
+    import dataclasses
+
+    import numpy as np
+
+    from mobility_imu.scooter import PoseCheckSettings
+
+    if not 0 < scale_sd_deg <= LARGEST_SCALE_SD_DEG:
+        raise InputError(
+            f"--scale-sd-deg {scale_sd_deg:g}: expected above 0 and up to {LARGEST_SCALE_SD_DEG:g}"
+        )
+    make = PoseCheckSettings.for_calibrated_imus if sensors == "calibrated" else PoseCheckSettings
+    settings = dataclasses.replace(make(method), scale_sd_rad=float(np.deg2rad(scale_sd_deg)))
+    return settings.kept_on() if kept_on else settings
 
 
 def check_text(found: PoseCheck) -> str:

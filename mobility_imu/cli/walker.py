@@ -55,14 +55,7 @@ def calibrate(
 
     outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
     frame = WalkerGeometry.from_toml(geometry)
-    recording = read_input(
-        tilts,
-        "walker",
-        sampling_rate_hz=sampling_rate_hz,
-        fill_gaps_s=fill_gaps_s,
-        units=unit,
-        strict=strict,
-    )
+    recording = read_input(tilts, "walker", sampling_rate_hz, fill_gaps_s, unit, strict)
     found = calibrate_mount(
         recording,
         frame,
@@ -119,14 +112,7 @@ def trajectory(
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
-    recording = read_input(
-        walk,
-        "walker",
-        sampling_rate_hz=sampling_rate_hz,
-        fill_gaps_s=fill_gaps_s,
-        units=unit,
-        strict=strict,
-    )
+    recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s, unit, strict)
     known = None if rests is None else read_rests(rests, recording.time_s)
     try:
         found = estimate_trajectory(

@@ -69,6 +69,8 @@ BLOCK_S = 1.0
 """Residuals last about a push; those of one block are taken together."""
 # Below this, track, mismatch of the radii and offset cannot be told apart.
 SMALLEST_INDEPENDENT_PART = 1e-6
+AGREES = 0.98
+"""Wheels and frame that go together so closely need no look at the health of the sensors."""
 NO_VERDICT = MappingProxyType(
     {"judged": False, "fits": False}
     | dict.fromkeys(
@@ -204,9 +206,10 @@ def check_geometry(
     parts = _Parts(
         recording, yaw, wheels[0], wheels[1], (left + right) / 2, right - left, usable, gyroscopes
     )
-    faulty = [fault.sentence for fault in examine(recording) if fault.code != "range"]
+    faults = () if agreement["correlation"] > AGREES else examine(recording)
+    faulty = [fault.sentence for fault in faults if fault.code != "range"]
     verdict: dict[str, Any] = (
-        {"warnings": ("a sensor is at fault, so the geometry is not judged", *faulty)}
+        {"warnings": ("a sensor failed, so the geometry is not judged", *faulty)}
         if faulty
         else _verdict(parts, geometry, mount, found, agreement)
     )

@@ -480,8 +480,7 @@ def _one_recording(
             "frame, slip cannot be seen",
             *warnings,
         )
-    odds = at_odds(slip, wheel_yaw, yaw_rate, settings.slip, recording.source)
-    warnings = (*odds, *warnings)
+    warnings += at_odds(slip, wheel_yaw, yaw_rate, settings.slip, recording.source)
     return ChairVelocity(
         time_s=recording.time_s,
         linear_velocity_mps=as_series(velocity, f"{recording.source}: linear velocity"),
