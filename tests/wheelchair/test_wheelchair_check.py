@@ -273,7 +273,7 @@ def test_a_camber_of_zero_is_as_uncertain_as_its_cosine_makes_it():
     yaw, turning = np.linspace(0.5, 2.0, 200), np.ones(200, bool)
     upright = np.column_stack([yaw, 0 * yaw, 0 * yaw])
     for gain_sd in (0.003, 0.01):
-        camber, sd = _camber(upright, upright, yaw, turning, gain_sd)
+        camber, sd = _camber(upright, upright, yaw, turning, gain_sd, 0.003)
         hidden = np.arccos(1 - np.hypot(0.0015, gain_sd))
         assert camber == 0 and 0.4 * hidden < sd < hidden
 
@@ -290,7 +290,9 @@ def test_residuals_that_last_are_taken_in_blocks_of_a_second():
     for error in (lasting, rng.standard_normal(len(time_s))):
         gyr = wheel.gyr_radps + 0.12 * error[:, None] * axle
         sensors = {**recording.sensors, "left_wheel": Imu(wheel.acc_mps2, gyr)}
-        sd.append(check_geometry(Recording(time_s, sensors), SAMPLE_CHAIR, mount).radius_ratio_sd)
+        noisy = Recording(time_s, sensors)
+        found = check_geometry(noisy, SAMPLE_CHAIR, mount, **CALIBRATED)
+        sd.append(found.radius_ratio_sd)
     # Beside it stands what scale factors leave open: 0.3 % of either wheel.
     by_noise = np.sqrt(np.square(sd) - 2 * 0.003**2)
     assert by_noise[0] > 3 * by_noise[1], sd
