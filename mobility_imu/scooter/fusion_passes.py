@@ -145,12 +145,19 @@ def _ahead(readings: Readings, rate_hz: float) -> tuple[Inputs, float]:
     width = READINGS_SMOOTHING_S * rate_hz
 
     def smoothed(values: FloatArray, width: float, order: int = 0) -> FloatArray:
-        found = ndimage.gaussian_filter1d(values, width, axis=0, order=order, mode="nearest")
+        found = ndimage.gaussian_filter1d(
+            values,
+            width,
+            axis=0,
+            order=order,
+            mode="nearest",
+            radius=min(int(4 * width + 0.5), max(len(values), 1)),
+        )
         return np.ascontiguousarray(found * rate_hz**order)
 
-    one = np.zeros(2 * int(np.ceil(5 * width)) + 1)
-    one[len(one) // 2] = 1.0
-    weights = ndimage.gaussian_filter1d(one, width)
+    at = np.arange(-int(4 * width + 0.5), int(4 * width + 0.5) + 1)
+    weights = np.exp(-((at / width) ** 2) / 2)
+    weights /= weights.sum()
     inputs = Inputs(
         smoothed(readings.lever_acc, width),
         readings.lever_gyr,

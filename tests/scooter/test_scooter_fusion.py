@@ -143,7 +143,7 @@ def test_smoother_beats_filter_beats_closed_form(noisy_rides):
 
 
 def test_ideal_sensors_give_the_truth():
-    """What is left is the integration over one sample while the controls speed up."""
+    """What is left is integration over one sample, and smoothing, while the controls speed up."""
     ride = simulate_ride(
         COURSES["curves"],
         seed=1,
@@ -152,7 +152,7 @@ def test_ideal_sensors_give_the_truth():
         shaking=NO_SHAKING,
         sensor=IDEAL,
     )
-    angles = fused(ride, replace(STATED, acc_sd_mps2=0.01, bias_sd_radps=1e-6))
+    angles = fused(ride, replace(STATED, acc_sd_mps2=0.02, bias_sd_radps=1e-6))
     assert np.abs(angles.steering_rad - ride.steering_rad).max() < 1e-3
     assert np.abs(angles.throttle_rad - ride.throttle_rad).max() < 1e-3
 

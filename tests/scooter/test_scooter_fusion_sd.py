@@ -297,8 +297,9 @@ def test_a_calibrated_mount_narrows_the_sd_and_goes_through_a_file(rides, tmp_pa
     assert np.allclose(read.sd_rad, sd, atol=1e-6)
     fusion_ = RideSettings(method="fusion")
     wide, narrow = (estimate_ride(ride, SUZUKI_ET4D, m, fusion_) for m in (plain, read))
-    # The gyroscopes and what bends and warms are not calibrated.
-    assert np.median(narrow.steering_sd_rad) < 0.8 * np.median(wide.steering_sd_rad)
+    # Gyroscopes and what bends and warms are not calibrated, and an offset may be another one.
+    assert np.median(narrow.steering_sd_rad) < 0.9 * np.median(wide.steering_sd_rad)
+    assert narrow.settings.fusion.acc_offset_sd_mps2 == ASSUMED.acc_offset_sd_mps2
     used = narrow.settings.fusion
     assert used.misalignment_sd_rad == pytest.approx(np.deg2rad(0.4) / 2**0.5, rel=1e-3)
     own = RideSettings(method="fusion", fusion=FusionSettings(acc_offset_sd_mps2=0.5))
