@@ -9,22 +9,49 @@ beside it, as a simpler baseline.
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from mobility_imu._compiled import compiled
+from mobility_imu._compiled import choose, compiled
 from mobility_imu.arguments import settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_vectors
-from mobility_imu.hinges import hinge_rates
+from mobility_imu.hinges import column_vector, hinge_rates, steered
 from mobility_imu.results import Result
 from mobility_imu.scooter.angles import check_gravity, three_axis_angles
-from mobility_imu.scooter.fusion_passes import Readings, first_angles, prepared, run_passes
-from mobility_imu.scooter.fusion_settings import FusionSettings
+from mobility_imu.scooter.fusion_filter import (
+    ARMS,
+    BODY,
+    CONSTANTS,
+    STATES,
+    Chunk,
+    Estimate,
+    Inputs,
+    Model,
+    plain,
+    run_filter,
+    run_smoother,
+)
+from mobility_imu.scooter.fusion_noise import (
+    acceleration_noise,
+    bounded_and_wandering,
+    smallest_step,
+    white_and_coloured,
+)
+from mobility_imu.scooter.fusion_settings import (
+    FROM_THE_RECORDING,
+    SETTING_LIMITS,
+    SMALLEST_DISTURBANCE_MPS2,
+    SMALLEST_RATE_NOISE,
+    FusionSettings,
+)
 from mobility_imu.scooter.geometry import ScooterGeometry
 
 if TYPE_CHECKING:
@@ -38,6 +65,8 @@ __all__ = [
     "move_specific_force",
 ]
 
+SPIN_SMOOTHING_S = 0.02
+"""Width of the Gaussian over which the rates' derivatives are taken."""
 LARGEST_VALID_SD_RAD = float(np.deg2rad(20.0))
 """Standard deviation of the steering from which a sample is not valid."""
 SLOWEST_RATE_HZ = 10.0
@@ -46,6 +75,12 @@ LARGEST_ACC_MPS2 = 2000.0
 """Largest component of an acceleration, m/s²; beyond what such sensors measure (200 g)."""
 LARGEST_RATE_RADPS = 100.0
 """Largest component of a rate, rad/s; beyond what such sensors measure (4000 deg/s is 70)."""
+START_SD_RAD = 0.35
+"""How far the first angles may be off."""
+PLAIN_S_PER_SAMPLE = 3e-4
+"""Seconds that both passes take for a sample where nothing is compiled."""
+CHUNK_SAMPLES = 20_000
+"""Samples of which the smoother keeps everything at once; for more the filter runs again."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,6 +119,15 @@ class FusedAngles(Result):
                 "valid": self.valid,
             }
         )
+
+
+class _Readings(NamedTuple):
+    """Contiguous (n, 3) arrays of all four sensors, checked."""
+
+    lever_acc: FloatArray
+    lever_gyr: FloatArray
+    body_acc: FloatArray
+    body_gyr: FloatArray
 
 
 def move_specific_force(
@@ -169,12 +213,239 @@ def fuse_angles(
     readings, rate_hz = _checked(
         lever_acc_mps2, lever_gyr_radps, body_acc_mps2, body_gyr_radps, sampling_rate_hz, geometry
     )
-    problem = prepared(readings, geometry, rate_hz, smooth)
-    angles, sd, settings = run_passes(problem, settings, smooth)
+    inputs = _inputs(readings, rate_hz, smooth)
+    run = _loops(inputs, geometry, rate_hz)
+    if not settings.complete:
+        first = _first_guess(settings, readings, rate_hz)
+        seen = _filtered(run, inputs, first, geometry, rate_hz)
+        settings = _measured(settings, first, seen, inputs, geometry, rate_hz)
+    if smooth:
+        angles, sd = _smoothed(run, inputs, settings, geometry, rate_hz)
+    else:
+        last = _filtered(run, inputs, settings, geometry, rate_hz)
+        angles, sd = last.angles, last.sd
+    sd = np.sqrt(sd**2 + _added_variance(angles, settings, rate_hz, smooth))
     valid = np.isfinite(angles).all(axis=1) & (sd[:, 0] < LARGEST_VALID_SD_RAD)
     return FusedAngles(
         angles[:, 0].copy(), angles[:, 1].copy(), sd[:, 0].copy(), sd[:, 1].copy(), valid, settings
     )
+
+
+class _Loops(NamedTuple):
+    """Filter and smoother, compiled or plain."""
+
+    run_filter: Callable[..., tuple[Chunk, Estimate]]
+    run_smoother: Callable[..., tuple[FloatArray, ...]]
+
+
+class _Seen(NamedTuple):
+    """What a pass of the filter leaves: angles, their sd, residuals, and the constants."""
+
+    angles: FloatArray
+    sd: FloatArray
+    residuals: FloatArray
+    constants: FloatArray
+
+
+def _inputs(readings: _Readings, rate_hz: float, smooth: bool) -> Inputs:
+    """Readings with the derivatives of the rates; without smoothing they know the past only."""
+    spins = []
+    for gyr in (readings.lever_gyr, readings.body_gyr):
+        if smooth:
+            spin = ndimage.gaussian_filter1d(gyr, SPIN_SMOOTHING_S * rate_hz, axis=0, order=1)
+        else:
+            spin = np.diff(gyr, axis=0, prepend=gyr[:1])
+        spins.append(np.ascontiguousarray(spin * rate_hz))
+    return Inputs(*readings, *spins)
+
+
+def _loops(inputs: Inputs, geometry: ScooterGeometry, rate_hz: float) -> _Loops:
+    """Loops as machine code, if that is there or is worth its time, else as plain Python."""
+    guess = FusionSettings(**dict.fromkeys(FROM_THE_RECORDING, 0.01))
+    model, start = _model(guess, geometry, rate_hz), _start(inputs, guess, geometry, rate_hz)
+    none = (inputs, 0, 0, start, model, False)
+    empty = Chunk(
+        np.empty((0, STATES)), np.empty((0, 2)), np.empty((0, 3)), np.empty((0, STATES, STATES)),
+        np.empty((0, STATES)), np.empty((0, STATES, STATES)), np.empty((0, STATES, CONSTANTS)),
+    )  # fmt: skip
+    back = (empty, *start[:5])
+    way = choose(
+        {run_filter: none, run_smoother: back},
+        plain_s=len(inputs.lever_acc) * PLAIN_S_PER_SAMPLE,
+        what="scooter's fusion",
+    )
+    if way == "compiled":
+        return _Loops(run_filter, run_smoother)
+    return _Loops(plain(run_filter), plain(run_smoother))
+
+
+def _first_guess(settings: FusionSettings, readings: _Readings, rate_hz: float) -> FusionSettings:
+    """Settings for a first pass, from the lengths of the accelerations alone."""
+    noise = acceleration_noise(readings.lever_acc, readings.body_acc)
+    step = smallest_step(readings.lever_acc, readings.body_acc)
+    guesses = (
+        max(noise, settings.acc_step_mps2 or 0.0),
+        step,
+        max(SMALLEST_DISTURBANCE_MPS2, noise / 2),
+        SMALLEST_RATE_NOISE,
+        SETTING_LIMITS["flexing_sd_rad"][0],
+        max(SETTING_LIMITS["clock_sd_s"][0], 0.5 / rate_hz),
+    )
+    missing = {
+        name: guess
+        for name, guess in zip(FROM_THE_RECORDING, guesses, strict=True)
+        if getattr(settings, name) is None
+    }
+    return dataclasses.replace(settings, **missing)
+
+
+def _measured(
+    settings: FusionSettings,
+    first: FusionSettings,
+    seen: _Seen,
+    inputs: Inputs,
+    geometry: ScooterGeometry,
+    rate_hz: float,
+) -> FusionSettings:
+    """Settings with what the residuals and the locked axis of a first pass show."""
+    found: dict[str, float | None] = {}
+    # While it learns the constants, the residuals are not yet noise.
+    settled = seen.residuals[len(seen.residuals) // 10 :]
+    noise = white_and_coloured(settled, rate_hz, settings.disturbance_time_s)
+    if noise is not None:
+        assert first.acc_step_mps2 is not None
+        found["acc_sd_mps2"] = max(noise[0], first.acc_step_mps2)
+        found["disturbance_sd_mps2"] = max(noise[1], SMALLEST_DISTURBANCE_MPS2)
+    locked = locked_rate(inputs.lever_gyr, inputs.body_gyr, seen, geometry)
+    angle, density = bounded_and_wandering(locked, rate_hz)
+    found["flexing_sd_rad"] = max(angle, SETTING_LIMITS["flexing_sd_rad"][0])
+    found["rate_noise_radps_sqrthz"] = max(density, SMALLEST_RATE_NOISE)
+    changes = {}
+    for name in FROM_THE_RECORDING:
+        if getattr(settings, name) is None:
+            low, high = SETTING_LIMITS[name]
+            value = found.get(name) or getattr(first, name)
+            changes[name] = float(np.clip(value, low, high))
+    return dataclasses.replace(settings, **changes)
+
+
+def locked_rate(
+    lever_gyr: FloatArray, body_gyr: FloatArray, seen: _Seen, geometry: ScooterGeometry
+) -> FloatArray:
+    """Rate about the axis at right angles to both hinges: nothing can turn there but by flexing.
+
+    Parameters
+    ----------
+    lever_gyr, body_gyr : (n, 3) arrays, rad/s, in {T} and {B}
+    seen : angles and constants of a pass of the filter
+    geometry : ScooterGeometry
+
+    Returns
+    -------
+    (n,) array, rad/s
+    """
+    lever, body = (
+        gyr - np.cross(c[6:9] + c[15:18], gyr) - c[9:12] * gyr - c[12:15]
+        for gyr, c in ((lever_gyr, seen.constants), (body_gyr, seen.constants[BODY:]))
+    )
+    tip = seen.angles[:, 1] + geometry.lean_rad
+    _, ahead = steered(column_vector(body, geometry.steering_inclination_rad), seen.angles[:, 0])
+    return np.asarray(lever[:, 1] * np.cos(tip) + lever[:, 2] * np.sin(tip) - ahead)
+
+
+def _added_variance(
+    angles: FloatArray, settings: FusionSettings, rate_hz: float, smooth: bool
+) -> FloatArray:
+    """What flexing and the clock add to the variance of both angles, rad²."""
+    assert settings.flexing_sd_rad is not None and settings.clock_sd_s is not None
+    if smooth and len(angles) > 1:
+        rates = np.gradient(angles, 1 / rate_hz, axis=0)
+    else:
+        rates = np.diff(angles, axis=0, prepend=angles[:1]) * rate_hz
+    return np.asarray(settings.flexing_sd_rad**2 + (settings.clock_sd_s * rates) ** 2)
+
+
+def _model(settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float) -> Model:
+    """Model of the loops; all that the recording tells is in the settings."""
+    assert settings.acc_sd_mps2 is not None and settings.disturbance_sd_mps2 is not None
+    assert settings.rate_noise_radps_sqrthz is not None
+    alpha, dt = geometry.steering_inclination_rad, 1 / rate_hz
+    return Model(
+        dt,
+        float(np.sin(alpha)),
+        float(np.cos(alpha)),
+        float(geometry.lean_rad),
+        float(settings.acc_sd_mps2**2),
+        float(settings.disturbance_sd_mps2**2),
+        float(np.exp(-dt / settings.disturbance_time_s)),
+        np.array([settings.rate_noise_radps_sqrthz**2 * dt, settings.bias_walk_radps**2 * dt]),
+        float(settings.huber),
+    )
+
+
+def _start(
+    inputs: Inputs, settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float
+) -> Estimate:
+    """What is assumed at the start: angles of the first half second, all constants zero."""
+    assert settings.disturbance_sd_mps2 is not None
+    angles, slow = _first_angles(inputs.lever_acc, inputs.body_acc, rate_hz, geometry)
+    # The drift is what wanders: the offset it starts from is among the constants.
+    sd = np.array([START_SD_RAD] * 2 + [1e-6] * 2 + [settings.disturbance_sd_mps2] * 3)
+    sensor = np.repeat(
+        [
+            settings.acc_offset_sd_mps2,
+            settings.acc_scale_sd,
+            settings.misalignment_sd_rad,
+            settings.gyr_scale_sd,
+            settings.bias_sd_radps,
+            settings.axes_apart_sd_rad,
+        ],
+        3,
+    )
+    arms = np.full(CONSTANTS - ARMS, settings.lever_arm_sd_m)
+    return Estimate(
+        np.concatenate((angles, np.zeros(STATES - 2))),
+        np.diag(sd**2),
+        np.zeros((STATES, CONSTANTS)),
+        np.zeros(CONSTANTS),
+        np.diag(np.concatenate((sensor, sensor, arms)) ** 2),
+        slow,
+    )
+
+
+def _filtered(
+    run: _Loops, inputs: Inputs, settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float
+) -> _Seen:
+    """One pass of the filter over the recording."""
+    start, model = _start(inputs, settings, geometry, rate_hz), _model(settings, geometry, rate_hz)
+    chunk, after = run.run_filter(inputs, 0, len(inputs.lever_acc), start, model, False)
+    return _Seen(chunk.states[:, :2].copy(), chunk.sd, chunk.residuals, after.constants)
+
+
+def _smoothed(
+    run: _Loops, inputs: Inputs, settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float
+) -> tuple[FloatArray, FloatArray]:
+    """Angles and their sd by filter and smoother, in pieces that fit into memory."""
+    model = _model(settings, geometry, rate_hz)
+    borders = [*range(0, len(inputs.lever_acc), CHUNK_SAMPLES), len(inputs.lever_acc)]
+    pieces = list(pairwise(borders))
+    at = [_start(inputs, settings, geometry, rate_hz)]
+    for piece in pieces:
+        kept, after = run.run_filter(inputs, *piece, at[-1], model, piece is pieces[-1])
+        at.append(Estimate(*(np.ascontiguousarray(part) for part in after)))
+    last = at[-1]
+    state, covariance, by_constants = last.state, last.covariance, last.by_constants
+    angles, sd = [], []
+    for piece, before in zip(pieces[::-1], at[-2::-1], strict=True):
+        if piece is not pieces[-1]:
+            kept, _ = run.run_filter(inputs, *piece, before, model, True)
+        given = (np.ascontiguousarray(part) for part in (state, covariance, by_constants))
+        states, spread, state, covariance, by_constants = run.run_smoother(
+            kept, *given, last.constants, last.constants_covariance
+        )
+        angles.append(states[:, :2])
+        sd.append(spread)
+    return np.concatenate(angles[::-1]), np.concatenate(sd[::-1])
 
 
 def _checked(
@@ -184,7 +455,7 @@ def _checked(
     body_gyr: ArrayLike,
     sampling_rate_hz: float,
     geometry: ScooterGeometry,
-) -> tuple[Readings, float]:
+) -> tuple[_Readings, float]:
     """All readings as the compiled loops need them, and the sampling rate."""
     rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
     if rate_hz < SLOWEST_RATE_HZ:
@@ -208,7 +479,7 @@ def _checked(
                 "is it in another unit?"
             )
         arrays.append(array)
-    readings = Readings(*arrays)
+    readings = _Readings(*arrays)
     shapes = {array.shape for array in readings}
     if len(shapes) != 1 or not len(readings.lever_acc):
         raise InputError(
@@ -217,6 +488,15 @@ def _checked(
         )
     check_gravity(readings.lever_acc, readings.body_acc, geometry)
     return readings, rate_hz
+
+
+def _first_angles(
+    lever_acc: FloatArray, body_acc: FloatArray, rate_hz: float, geometry: ScooterGeometry
+) -> tuple[FloatArray, FloatArray]:
+    """Angles, and the body's acceleration, by the median of the first half second."""
+    first = slice(0, max(1, round(0.5 * rate_hz)))
+    lever, body = (np.median(acc[first], axis=0) for acc in (lever_acc, body_acc))
+    return np.array(three_axis_angles(lever, body, geometry), float), body
 
 
 def complementary_angles(
@@ -258,7 +538,7 @@ def complementary_angles(
     readings, rate_hz = _checked(
         lever_acc_mps2, lever_gyr_radps, body_acc_mps2, body_gyr_radps, sampling_rate_hz, geometry
     )
-    start = first_angles(readings.lever_acc, readings.body_acc, rate_hz, geometry)
+    start, _ = _first_angles(readings.lever_acc, readings.body_acc, rate_hz, geometry)
     slow = np.column_stack(three_axis_angles(readings.lever_acc, readings.body_acc, geometry))
     out = _complement(
         slow, readings.lever_gyr, readings.body_gyr, start, 1 / rate_hz, time_constant,

@@ -40,6 +40,8 @@ CONSTANTS = 45
 its axes are off those of the accelerometer, each x, y, z; then the three lever arms."""
 BODY, ARMS = 18, 36
 """Where the body's errors and the lever arms begin among the constants."""
+SLOPE_SMOOTHING_S = 0.3
+"""Time constant of the acceleration from which the filter takes its derivatives."""
 
 
 class Inputs(NamedTuple):
@@ -49,7 +51,6 @@ class Inputs(NamedTuple):
     ----------
     lever_acc, lever_gyr, body_acc, body_gyr : (n, 3) arrays, m/s² and rad/s
     lever_spin, body_spin : (n, 3) arrays, rad/s², derivatives of the rates
-    slow : (n, 3) array, m/s², the body's acceleration without shaking, for the slopes
     """
 
     lever_acc: FloatArray
@@ -58,7 +59,6 @@ class Inputs(NamedTuple):
     body_gyr: FloatArray
     lever_spin: FloatArray
     body_spin: FloatArray
-    slow: FloatArray
 
 
 class Model(NamedTuple):
@@ -97,6 +97,7 @@ class Estimate(NamedTuple):
     by_constants : (7, 45) array, derivative of the state's error by the constants' error
     constants : (45,) array
     constants_covariance : (45, 45) array
+    slow : (3,) array, m/s², smoothed acceleration of the body
     """
 
     state: FloatArray
@@ -104,6 +105,7 @@ class Estimate(NamedTuple):
     by_constants: FloatArray
     constants: FloatArray
     constants_covariance: FloatArray
+    slow: FloatArray
 
 
 class Chunk(NamedTuple):
@@ -193,12 +195,7 @@ def _true_rate(reading: FloatArray, c: FloatArray, at: int) -> FloatArray:
 
 @compiled()
 def predict(
-    lever_rate: FloatArray,
-    body_rate: FloatArray,
-    before: Estimate,
-    model: Model,
-    about: FloatArray,
-    about_constants: FloatArray,
+    lever_rate: FloatArray, body_rate: FloatArray, before: Estimate, model: Model
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """State one sample later: the hinges turn by the difference of the gyroscopes.
 
@@ -207,15 +204,13 @@ def predict(
     lever_rate, body_rate : (3,) arrays, rad/s, mean readings over the sample
     before : Estimate
     model : Model
-    about, about_constants : (7,) and (45,) arrays, state and constants around which the equations
-        are taken for straight lines
 
     Returns
     -------
     state, covariance, by_constants : as in Estimate
     transition : (7, 7) array
     """
-    x, c, dt = about.copy(), about_constants, model.dt
+    x, c, dt = before.state.copy(), before.constants, model.dt
     sa, ca, tip = model.sin_alpha, model.cos_alpha, x[1] + model.lean
     lever, body = _true_rate(lever_rate, c, 0), _true_rate(body_rate, c, BODY)
     rate_s, rate_t, s_by_t, t_by_s = hinge_rates(lever, body, x[0], tip, sa, ca)
@@ -227,19 +222,15 @@ def predict(
     f[1, 0], f[1, 3] = dt * t_by_s, -dt
     x[0] += dt * (rate_s - x[2])
     x[1] += dt * (rate_t - x[3])
-    by_c = np.zeros((2, CONSTANTS))
+    v = f @ before.by_constants
+    p = f @ before.covariance @ f.T
     for at, rate, by_rate in ((0, lever_rate, by_lever), (BODY, body_rate, by_body)):
         # Columns of reading_errors are offset, scale, misalignment.
         columns = dt * (by_rate @ reading_errors(rate))
-        by_c[:, at + 12 : at + 15] = -columns[:, :3]
-        by_c[:, at + 9 : at + 12] = -columns[:, 3:6]
-        by_c[:, at + 6 : at + 9] = -columns[:, 6:]
-        by_c[:, at + 15 : at + 18] = -columns[:, 6:]
-    x += f @ (before.state - about)
-    x[:2] += by_c @ (before.constants - c)
-    v = f @ before.by_constants
-    v[:2] += by_c
-    p = f @ before.covariance @ f.T
+        v[:2, at + 12 : at + 15] -= columns[:, :3]
+        v[:2, at + 9 : at + 12] -= columns[:, 3:6]
+        v[:2, at + 6 : at + 9] -= columns[:, 6:]
+        v[:2, at + 15 : at + 18] -= columns[:, 6:]
     for i in range(2):
         p[i, i] += model.drift[0]
         p[2 + i, 2 + i] += model.drift[1]
@@ -255,7 +246,7 @@ def predict(
 
 @compiled()
 def _measurement(
-    inputs: Inputs, k: int, x: FloatArray, c: FloatArray, model: Model
+    inputs: Inputs, k: int, x: FloatArray, c: FloatArray, slow: FloatArray, model: Model
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Residual of the lever's acceleration, its slopes by the state, and by the constants."""
     sa, ca, tip = model.sin_alpha, model.cos_alpha, x[1] + model.lean
@@ -263,10 +254,10 @@ def _measurement(
     rx, ry, rz, _ = tip_reading(np.eye(3), x[0], tip, sa, ca)
     turn = np.empty((3, 3))
     turn[0], turn[1], turn[2] = rx, ry, rz
-    # Slopes come from an acceleration without shaking. With it, shaking would stand in residual and
-    # slope alike, their product would not average out, and pull the angles to one side.
-    errors = reading_errors(inputs.slow[k])
-    steady = inputs.slow[k] - errors @ c[BODY : BODY + 9]
+    # Slopes come from a smoothed acceleration: with the raw one its noise would stand in residual
+    # and slope alike, and vibration would pull angles and constants to one side.
+    errors = reading_errors(slow)
+    steady = slow - errors @ c[BODY : BODY + 9]
     sx, sy, sz, k2 = tip_reading(steady, x[0], tip, sa, ca)
     # The column between both hinges turns with the lever but for the throttle's rate about x.
     lever = _true_rate(inputs.lever_gyr[k], c, 0)
@@ -348,14 +339,7 @@ def correct(
 
 @compiled()
 def run_filter(
-    inputs: Inputs,
-    first: int,
-    last: int,
-    before: Estimate,
-    model: Model,
-    keep: bool,
-    about: FloatArray,
-    about_constants: FloatArray,
+    inputs: Inputs, first: int, last: int, before: Estimate, model: Model, keep: bool
 ) -> tuple[Chunk, Estimate]:
     """Filter over the samples from ``first`` up to ``last``.
 
@@ -366,9 +350,6 @@ def run_filter(
     before : Estimate; at the start of the recording what is assumed
     model : Model
     keep : whether to keep what the smoother needs
-    about, about_constants : (n, 7) and (45,) arrays, states of all the recording's samples and
-        constants around which the equations are taken for straight lines; no rows: around what
-        the filter knows of the samples up to then
 
     Returns
     -------
@@ -381,19 +362,18 @@ def run_filter(
     gains, offsets = np.zeros((kept, STATES, STATES)), np.zeros((kept, STATES))
     remainders = np.zeros((kept, STATES, STATES))
     couplings = np.zeros((kept, STATES, CONSTANTS))
+    slow = before.slow.copy()
     x, p, v, c, m = (
         before.state, before.covariance, before.by_constants, before.constants,
         before.constants_covariance,
     )  # fmt: skip
-    known = len(about) > 0
     for k in range(first, last):
         i = k - first
         if k > 0:
-            at = Estimate(x, p, v, c, m)
-            x_about, c_about = (about[k - 1], about_constants) if known else (x, c)
+            at = Estimate(x, p, v, c, m, slow)
             lever = (inputs.lever_gyr[k] + inputs.lever_gyr[k - 1]) / 2
             body = (inputs.body_gyr[k] + inputs.body_gyr[k - 1]) / 2
-            x_next, p_next, v_next, f = predict(lever, body, at, model, x_about, c_about)
+            x_next, p_next, v_next, f = predict(lever, body, at, model)
             if keep:
                 g = np.linalg.solve(p_next, f @ p).T
                 u = v - g @ v_next
@@ -401,16 +381,15 @@ def run_filter(
                 offsets[i] = x - g @ x_next - u @ c
                 remainders[i] = p - g @ p_next @ g.T
             x, p, v = x_next, p_next, v_next
-        x_about, c_about = (about[k], about_constants) if known else (x, c)
-        residual, h, by_c = _measurement(inputs, k, x_about, c_about, model)
-        residual = residual - h @ (x - x_about) - by_c @ (c - c_about)
+        slow += model.dt / SLOPE_SMOOTHING_S * (inputs.body_acc[k] - slow)
+        residual, h, by_c = _measurement(inputs, k, x, c, slow, model)
         residuals[i] = residual + x[4:]
         x, p, v, c, m = correct(x, p, v, c, m, residual, h, by_c, model.noise, model.huber)
         states[i] = x
         if not keep:
             sd[i] = _angle_sd(p, v, m)
     chunk = Chunk(states, sd, residuals, gains, offsets, remainders, couplings)
-    return chunk, Estimate(x, p, v, c, m)
+    return chunk, Estimate(x, p, v, c, m, slow)
 
 
 @compiled()

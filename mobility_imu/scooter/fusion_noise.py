@@ -17,11 +17,9 @@ __all__ = ["acceleration_noise", "bounded_and_wandering", "smallest_step", "whit
 SMALLEST_NOISE_MPS2 = 1e-3
 """Noise that :func:`acceleration_noise` finds at least; no accelerometer of a scooter has less."""
 COLOURED_AFTER_S = 1.0
-"""Time that tells noise from what is constant, and the shortest block of a slower disturbance."""
-FEWEST_BLOCKS = 10
-"""Blocks whose means tell the size of a coloured disturbance."""
-SHORTEST_BLOCK = 0.5
-"""Shortest length of such a block, in correlation times: below it looks like a constant."""
+"""Time after which a coloured disturbance has forgotten itself."""
+KEPT_BY_MEANS = 2 * float(np.exp(-1.0))
+"""Variance of a Gauss-Markov noise that its mean over one correlation time keeps."""
 TURNS_AFTER_S = (2.0, 8.0)
 """Two intervals over which flexing, which is bounded, and noise, which adds up, differ."""
 FEWEST_SAMPLES = 50
@@ -91,59 +89,38 @@ def _spread(values: FloatArray) -> FloatArray:
 
 
 def white_and_coloured(
-    residuals: FloatArray,
-    sampling_rate_hz: float,
-    correlation_time_s: float,
-    smoothed_samples: float = 1.0,
+    residuals: FloatArray, sampling_rate_hz: float, correlation_time_s: float
 ) -> tuple[float, float] | None:
     """White and coloured part of a noise, from the changes of its means and of itself.
 
-    White noise and fast vibration leave the mean of a block, a coloured noise stays. Adjacent
-    blocks are compared, so that constants do not matter. For a Gauss-Markov noise of variance
-    ``s2`` and blocks of ``u`` correlation times the means' change squared is, in the mean,
-    ``2 s2 (k0 - k1)``, with ``k0 = 2 (u - 1 + exp(-u)) / u2`` and ``k1 = (1 - exp(-u))2 / u2``.
-    Blocks are one correlation time long, or a tenth of the recording if that is shorter; below
-    ``SHORTEST_BLOCK`` correlation times nothing is said of the coloured part. What changes within a
-    second is white but for the coloured part in it. Of the axes the worst counts.
+    Means over one correlation time keep a coloured noise (0.736 of a Gauss-Markov one's variance),
+    while white noise and fast vibration leave them; what is left of the whole is white. Changes
+    over a second are compared, so that constants do not matter: ``sd² = change² / 2``. Of the axes
+    the worst counts.
 
     Parameters
     ----------
     residuals : (n, 3) array
     sampling_rate_hz : Hz
     correlation_time_s : s, of the coloured part
-    smoothed_samples : by how much the residuals were smoothed: white noise keeps this part of its
-        variance, 1 of it
 
     Returns
     -------
-    white, coloured : standard deviations in the residuals' unit, the white one before smoothing,
-        the coloured one 0 where it cannot be told; None for fewer than ``FEWEST_SAMPLES``, or less
-        than ten seconds
+    white, coloured : standard deviations in the residuals' unit; None for fewer than
+        ``FEWEST_SAMPLES``, or less than ten times a second and the correlation time
     """
+    block = max(1, round(correlation_time_s * sampling_rate_hz))
     apart = round(COLOURED_AFTER_S * sampling_rate_hz)
-    block_s = min(correlation_time_s, len(residuals) / FEWEST_BLOCKS / sampling_rate_hz)
-    block = max(1, int(block_s * sampling_rate_hz + 1e-9))
-    blocks = len(residuals) // block
-    if len(residuals) < max(FEWEST_SAMPLES, 10 * apart):
+    blocks, wait = len(residuals) // block, -(-apart // block)
+    if len(residuals) < max(FEWEST_SAMPLES, 10 * apart) or blocks < 10 * wait:
         return None
     means = residuals[: blocks * block].reshape(blocks, block, 3).mean(axis=1)
     whole, slow, fast = (
         float(_spread(values[step:] - values[:-step]).max()) ** 2 / 2
-        for values, step in (
-            (residuals, apart),
-            (means, 1),
-            (residuals, max(1, round(smoothed_samples))),
-        )
+        for values, step in ((residuals, apart), (means, wait), (residuals, 1))
     )
-    u = block / sampling_rate_hz / correlation_time_s
-    faded = 1 - float(np.exp(-u))
-    kept = (2 * (u - faded) - faded**2) / u**2
-    seen = 1 - float(np.exp(-apart / sampling_rate_hz / correlation_time_s))
-    coloured = max(0.0, slow - fast * smoothed_samples / block) / kept
-    if block_s < SHORTEST_BLOCK * correlation_time_s:
-        coloured = 0.0
-    white = smoothed_samples * max(fast, whole - seen * coloured)
-    return white**0.5, coloured**0.5
+    coloured = max(0.0, slow - fast / block) / (KEPT_BY_MEANS if block > 1 else 1.0)
+    return max(fast, whole - coloured) ** 0.5, coloured**0.5
 
 
 def bounded_and_wandering(rates: FloatArray, sampling_rate_hz: float) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, check_positive
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, check_positive
 
 __all__ = ["FusionSettings"]
 
@@ -127,11 +127,9 @@ class FusionSettings:
     def after_calibration(self, mount_sd_rad: FloatArray) -> FusionSettings:
         """Settings for IMUs whose mount a calibration found.
 
-        What parked poses leave of the axes, their standard deviation, is given to misalignment and
-        scale in equal parts. The offset keeps its size ``s``: a mount takes up that of its own
-        hour. If the ride has the same, nothing is left of it; if warmth or a new start have drawn
-        another one, ``s sqrt(2)``. The middle of both variances is that of ``s``. Sizes that are
-        not the default stay.
+        A mount from parked poses contains the accelerometers' errors there. What it leaves,
+        its standard deviation, is given to the axes and to the accelerometers in equal parts. Sizes
+        that are not the default stay.
 
         Parameters
         ----------
@@ -143,7 +141,11 @@ class FusionSettings:
         FusionSettings
         """
         part = float(np.median(mount_sd_rad)) / 2**0.5
-        sizes = {"acc_scale_sd": part, "misalignment_sd_rad": part}
+        sizes = {
+            "acc_offset_sd_mps2": part * STANDARD_GRAVITY_MPS2,
+            "acc_scale_sd": part,
+            "misalignment_sd_rad": part,
+        }
         assumed = {field.name: field.default for field in dataclasses.fields(self)}
         return dataclasses.replace(
             self,

@@ -14,7 +14,7 @@ from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount, es
 # 20 deg.
 LIMITS = {
     ("two-hinges", "trial1_rigid"): (2.97, 6.05),
-    ("two-hinges", "trial1_foam"): (6.5, 10.6),
+    ("two-hinges", "trial1_foam"): (7.0, 10.6),
     ("one-hinge", "pitch_slow"): (3.5, 2.0),
     ("one-hinge", "pitch_medium"): (4.0, 3.5),
 }
@@ -72,16 +72,11 @@ def test_stated_sd_is_that_of_the_error(rides, name):
         assert 0.5 <= np.median(sd) / rms(error) <= limit
 
 
-def test_intervals_cover(rides):
-    """One hinge alone has four errors, nearly constant: all are inside with a chance of 0.8."""
-
-    def within(*sets):
-        pairs = [pair for name in LIMITS if name[0] in sets for pair in rides[name][1]]
-        return np.mean([np.mean(np.abs(error) < 1.96 * sd) for error, sd in pairs])
-
-    assert 0.85 <= within("two-hinges") <= 0.99
-    assert 0.85 <= within("one-hinge")
-    assert 0.85 <= within(*FOLDERS) <= 0.99
+@pytest.mark.parametrize("data_set", FOLDERS)
+def test_intervals_cover(rides, data_set):
+    pooled = [pair for name in LIMITS if name[0] == data_set for pair in rides[name][1]]
+    within = np.mean([np.mean(np.abs(error) < 1.96 * sd) for error, sd in pooled])
+    assert 0.85 <= within <= 0.99
 
 
 def test_flexing_is_seen_in_the_chain(rides):
