@@ -6,6 +6,8 @@ import pytest
 
 from mobility_imu.datasets.folders import find_folder
 from mobility_imu.readers import read_recording
+from mobility_imu.reproduction.scooter.real_hinges import ONE_HINGE, errors_by_angle, read_chain
+from mobility_imu.reproduction.scooter.real_hinges_page import WITHOUT_FIRST_SAMPLE_DEG
 from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount, estimate_ride
 
 # Largest rms of steering and throttle, deg. Two hinges: what qmt 0.2.4 gives on the same file with
@@ -91,3 +93,19 @@ def test_flexing_is_seen_in_the_chain(rides):
 @pytest.mark.parametrize("name", LIMITS, ids="/".join)
 def test_no_sample_of_a_still_sensor_is_dropped(rides, name):
     assert rides[name][0].valid.all()
+
+
+def test_one_sample_decides_over_a_constant():
+    """The chapter says so: without its first sample, `pitch_slow` errs twice as much."""
+    folder = FOLDERS["one-hinge"]
+    one = read_chain(folder, "pitch_slow", ONE_HINGE.recordings["pitch_slow"])
+    time_s = one.ride.time_s
+    less = one._replace(
+        ride=one.ride.trim((time_s[0] + time_s[1]) / 2, time_s[-1] + 1), true_rad=one.true_rad[1:]
+    )
+    found = errors_by_angle(less.estimate(RideSettings(method="fusion")), less.true_rad)
+    steering = found["steering"]
+    assert len(less.ride) == len(one.ride) - 1
+    assert (steering["rms_deg"], steering["sd_deg"]) == pytest.approx(
+        WITHOUT_FIRST_SAMPLE_DEG, abs=0.02
+    )

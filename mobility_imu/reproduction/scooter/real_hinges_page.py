@@ -62,6 +62,8 @@ HELD_BACK = (
 """Recordings held back, by the fusion before and after its assumptions were changed."""
 QMT_FOAM_STEERING_DEG = (4.4, 4.6)
 """Root mean square error of the peer's steering on foam, qmt 0.2.4 by ``make bench``."""
+WITHOUT_FIRST_SAMPLE_DEG = (5.29, 2.33)
+"""Error and stated deviation of the steering of ``pitch_slow`` without its first sample."""
 SIMULATED_BEFORE = {
     "simulated": {
         "steering": {"median_rms_deg": 1.06, "worst_rms_deg": 2.23, "covered": 1.00},
