@@ -474,13 +474,9 @@ def _one_recording(
         offsets=offsets,
         errors=settings.assumed,
     )
-    if not both:
-        warnings = (
-            f"{recording.source}: only the {present[0]} wheel has a sensor; speed from it and the "
-            "frame, slip cannot be seen",
-            *warnings,
-        )
-    warnings += at_odds(slip, wheel_yaw, yaw_rate, settings.slip, recording.source)
+    warnings = (*_alone(recording, present), *warnings)
+    if settings.form == "corrected":
+        warnings += at_odds(slip, wheel_yaw, yaw_rate, settings.slip, recording.source)
     return ChairVelocity(
         time_s=recording.time_s,
         linear_velocity_mps=as_series(velocity, f"{recording.source}: linear velocity"),
@@ -492,6 +488,16 @@ def _one_recording(
         offsets=dict(offsets),
         settings=settings,
         warnings=warnings,
+    )
+
+
+def _alone(recording: Recording, present: Sequence[Side]) -> tuple[str, ...]:
+    """Warning where one wheel has no sensor."""
+    if len(present) == 2:
+        return ()
+    return (
+        f"{recording.source}: only the {present[0]} wheel has a sensor; speed from it and the "
+        "frame, slip cannot be seen",
     )
 
 
