@@ -61,7 +61,7 @@ STATUSES = (
 
 
 def draw_scooter(geometry: ScooterGeometry) -> Figure:
-    """Draw the scooter from its right with its sizes, and number the five kinds of sensors.
+    """Draw the scooter from its right with its sizes, and number its five sensors.
 
     Parameters
     ----------
