@@ -18,6 +18,7 @@ from mobility_imu.readers.halves import Half, join_halves
 from mobility_imu.readers.layout import find_layout, split_row
 from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import parse_numbers
+from mobility_imu.readers.wording import listed, quoted
 
 ELAPSED = "seconds_elapsed"
 USED = ("TotalAcceleration", "Accelerometer", "AccelerometerUncalibrated", "Gravity", "Gyroscope")
@@ -117,7 +118,9 @@ def _platform(files: Mapping[str, str], source: str) -> str:
     told = dict(zip(split_row(names.strip(), ","), split_row(row.strip(), ","), strict=False))
     platform = told.get("platform", "").lower()
     if platform not in ("android", "ios"):
-        raise InputError(f"{source}/Metadata.csv: platform '{platform}', expected android or ios")
+        raise InputError(
+            f"{source}/Metadata.csv: platform '{quoted(platform)}', expected android or ios"
+        )
     return platform
 
 
@@ -127,7 +130,7 @@ def _half(text: str, source: str) -> Half:
     for axis in "xyz":
         found = [n for n in names if re.fullmatch(rf"(?:\w*?)[_ ]?{axis}", n, re.IGNORECASE)]
         if len(found) != 1:
-            raise InputError(f"{source}: no column {axis} (it has: {', '.join(names)})")
+            raise InputError(f"{source}: no column {axis} (it has: {listed(names)})")
         columns.append(found[0])
     table = parse_numbers(text, source=source, wanted={ELAPSED, *columns}.__contains__)
     return Half(table.columns([ELAPSED])[:, 0], table.columns(columns), source)

@@ -88,7 +88,7 @@ def gait_walk(
     Raises
     ------
     InputError
-        If the level is unknown, or :func:`mobility_imu.simulation.walker.simulate_walk` refuses the
+        If the level is unknown, or ``simulate_walk`` refuses the
         walk.
 
     Examples

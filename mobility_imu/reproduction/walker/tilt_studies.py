@@ -1,6 +1,6 @@
 """Walker: what spoils a calibration by tilting, one thing at a time, and what the tables look like.
 
-Small studies of the chapters on the calibration; the large ones are in :mod:`studies` and recorded.
+Small studies of the chapters on the calibration; the large ones, in ``studies``, are recorded.
 """
 
 from __future__ import annotations
