@@ -12,6 +12,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.readers.layout import split_row
 from mobility_imu.readers.streams import Asked, Stream, factor
 from mobility_imu.readers.table import parse_numbers
+from mobility_imu.readers.wording import quoted
 
 QUANTITIES = {"Acceleration": "acc", "Angular Velocity": "gyr"}
 FORMAT_7 = {
@@ -85,7 +86,7 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
                 unit = units[names.index(columns[0])]
                 found[quantity] = table.columns(columns) * factor(quantity, unit, source)
         if "acc" not in found:
-            raise InputError(f"{source}: no {label}/Acceleration/X, Y, Z")
+            raise InputError(f"{source}: no {quoted(label)}/Acceleration/X, Y, Z")
         streams.append(
             Stream(
                 time_s, found["acc"], found.get("gyr"), source=source, label=label,
@@ -138,6 +139,6 @@ def _format_7(text: str, source: str) -> tuple[Stream, ...]:
             if all((place, q, axis) in wanted for axis in "XYZ")
         }
         if "acc" not in found:
-            raise InputError(f"{source}: no accelerations of {place}")
+            raise InputError(f"{source}: no accelerations of {quoted(place)}")
         streams.append(Stream(time_s, found["acc"], found.get("gyr"), source=source, label=place))
     return tuple(streams)

@@ -68,7 +68,7 @@ def find_triple(names: Sequence[str], pattern: str, source: str) -> Triple | Non
     if set(found) != set("xyz"):
         raise InputError(f"{source}: of three axes only {listed(found.values())}")
     if len(units) > 1:
-        raise InputError(f"{source}: axes in different units ({', '.join(sorted(units))})")
+        raise InputError(f"{source}: axes in different units ({listed(sorted(units))})")
     return Triple((found["x"], found["y"], found["z"]), units.pop())
 
 

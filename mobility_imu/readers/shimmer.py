@@ -9,7 +9,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.readers.layout import find_layout, split_row
 from mobility_imu.readers.streams import Asked, Stream, factor
 from mobility_imu.readers.table import NumberTable, parse_numbers
-from mobility_imu.readers.wording import listed
+from mobility_imu.readers.wording import listed, quoted
 
 _NAME = re.compile(r"(Shimmer_\w+?)_(\w+)_CAL")
 ACCELEROMETERS = ("Accel_WR", "Accel_LN", "Accel")
@@ -87,7 +87,7 @@ def _stream(table: NumberTable, label: str, units: dict[str, str], source: str) 
     name = f"{label}_{clock}_CAL"
     unit = units.get(name, "").strip()
     if unit != "ms":
-        raise InputError(f"{source}: {name} is in '{unit}', expected ms")
+        raise InputError(f"{source}: {name} is in '{quoted(unit)}', expected ms")
     both = sum(f"{label}_{a}_X_CAL" in table.header for a in ACCELEROMETERS) > 1
     said = (f"{source}: of two accelerometers {used} is used (the wider range)",) if both else ()
     return Stream(

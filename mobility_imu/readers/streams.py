@@ -10,6 +10,7 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_floats, as_series, as_vectors
 from mobility_imu.readers.table import NumberTable
+from mobility_imu.readers.wording import quoted
 from mobility_imu.results import Result
 
 
@@ -163,7 +164,9 @@ def factor(quantity: str, unit: str, source: str) -> float:
     name = SPELLINGS.get(plain, plain)
     if name not in known:
         what = "acceleration" if quantity == "acc" else "angular rate"
-        raise InputError(f"{source}: {what} in '{unit}' is not known; expected {', '.join(known)}")
+        raise InputError(
+            f"{source}: {what} in '{quoted(unit)}' is not known; expected {', '.join(known)}"
+        )
     return known[name]
 
 
