@@ -52,6 +52,25 @@ def test_the_thinned_errors_are_those_of_the_rows(name):
             assert drawn == pytest.approx(row[angle]["rms_deg"], rel=1 / 3)
 
 
+def test_numbers_of_both_chains_are_found_by_recording_and_name():
+    assert list(page.of_all("series")) == [
+        recording for name in RECORDS for recording in page.hinge_numbers(name)["series"]
+    ]
+    closed = page.row_of("pitch_slow", "closed-form")
+    assert closed in page.hinge_numbers("real_one_hinge")["rows"]
+    white = page.variant_of("trial1_foam", "white noise only")
+    assert white in page.hinge_numbers("real_two_hinges")["variants"]["trial1_foam"]
+
+
+def test_numbers_that_are_not_recorded_are_refused():
+    with pytest.raises(InputError, match="kind"):
+        page.of_all("weather")
+    with pytest.raises(InputError, match="no such row"):
+        page.row_of("pitch_slow", "guess")
+    with pytest.raises(InputError, match="no such variant"):
+        page.variant_of("pitch_slow", "guess")
+
+
 @pytest.mark.parametrize("name", RECORDS)
 def test_the_first_variant_is_the_row(name):
     numbers = page.hinge_numbers(name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -91,6 +92,80 @@ def hinge_numbers(name: str) -> Numbers:
     """
     numbers: Numbers = load_record(name)["numbers"]
     return numbers
+
+
+@lru_cache(maxsize=1)
+def _both() -> tuple[Numbers, ...]:
+    return tuple(hinge_numbers(name) for name in CHAINS)
+
+
+def of_all(kind: str) -> Numbers:
+    """One part of the numbers of both chains.
+
+    Parameters
+    ----------
+    kind : a part that lists recordings, such as "sensors", "spectra", "variants" or "causes"
+
+    Returns
+    -------
+    dict, recording to its numbers
+
+    Raises
+    ------
+    InputError
+        If the records have no such part.
+    """
+    if not all(isinstance(numbers.get(kind), dict) for numbers in _both()):
+        raise InputError(f"kind = {kind!r}: expected a part of both records that lists recordings")
+    return {recording: part for numbers in _both() for recording, part in numbers[kind].items()}
+
+
+def row_of(recording: str, method: str = "fusion") -> Numbers:
+    """Errors of both angles of one recording by one method.
+
+    Parameters
+    ----------
+    recording : name of its file
+    method : "fusion" or "closed-form"
+
+    Returns
+    -------
+    dict, one row of the record
+
+    Raises
+    ------
+    InputError
+        If no row has these names.
+    """
+    for row in (row for numbers in _both() for row in numbers["rows"]):
+        if (row["recording"], row["method"]) == (recording, method):
+            found: Numbers = row
+            return found
+    raise InputError(f"recording = {recording!r}, method = {method!r}: no such row is recorded")
+
+
+def variant_of(recording: str, name: str) -> Numbers:
+    """Errors of one recording with one of the fusion's assumptions changed.
+
+    Parameters
+    ----------
+    recording : name of its file
+    name : name of the variant, such as "white noise only"
+
+    Returns
+    -------
+    dict, one variant of the record
+
+    Raises
+    ------
+    InputError
+        If no variant has these names.
+    """
+    for variant in of_all("variants").get(recording, ()):
+        if variant["variant"] == name:
+            found: Numbers = variant
+            return found
+    raise InputError(f"recording = {recording!r}, name = {name!r}: no such variant is recorded")
 
 
 def hinges_again(name: str) -> int:
