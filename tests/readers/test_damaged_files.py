@@ -215,7 +215,8 @@ def test_time_grows_with_the_number_of_columns(tmp_path, columns):
     path = write(tmp_path / "wide.csv", "\n".join([",".join(["time_s", *names]), *rows]))
     begun = time.process_time()
     assert len(read_recording(path).sensors) == columns // 3
-    assert time.process_time() - begun < 1.5 * columns / 10_000
+    # Ten times what it takes; a time that grows with the square would be 19 s.
+    assert time.process_time() - begun < 4.0 * columns / 10_000
 
 
 def test_long_cells_and_many_names_are_quoted_in_part(tmp_path):
