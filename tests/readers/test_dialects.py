@@ -276,7 +276,7 @@ def test_any_other_table_by_a_map(tmp_path):
     ("change", "message"),
     [
         (('unit = "ms"', ""), r"\[clock\] unit: expected s, ms, us, ns"),
-        (('column = "t"', 'colum = "t"'), "colum is unknown"),
+        (('column = "t"', 'colon = "t"'), "colon is unknown"),
         (('"ax", "ay"', '"ax"'), "acc must name three columns"),
         (('acc_unit = "g"', ""), "acc_unit is missing"),
         (('acc_unit = "g"', 'acc_unit = "G-force"'), "acceleration in 'G-force' is not known"),
