@@ -27,37 +27,11 @@ TOLD_BY_DEVICE = {
 """Faults that the device's own function warns of, with what it does about them."""
 
 
-def parse_units(units: list[str] | None) -> dict[str, str]:
-    """Units of ``--unit acc=g --unit gyr=deg/s``.
-
-    Parameters
-    ----------
-    units : as typed
-
-    Returns
-    -------
-    dict of quantity to unit
-
-    Raises
-    ------
-    InputError
-        If one is not of this form.
-    """
-    found = {}
-    for text in units or []:
-        quantity, mark, unit = text.partition("=")
-        if not mark or not unit:
-            raise InputError(f"--unit {text}: expected acc=UNIT or gyr=UNIT, such as acc=g")
-        found[quantity.strip()] = unit.strip()
-    return found
-
-
 def read_input(
     path: Path,
     device: str,
     sampling_rate_hz: float | None,
     fill_gaps_s: float = 0.0,
-    units: list[str] | None = None,
     strict: bool = False,
 ) -> Recording:
     """Recording for a command of a device; warnings say what is wrong with its sensors.
@@ -68,7 +42,6 @@ def read_input(
     device : "scooter", "wheelchair" or "walker"
     sampling_rate_hz : of ``--sampling-rate-hz``
     fill_gaps_s : of ``--fill-gaps-s``
-    units : of ``--unit``
     strict : of ``--strict``
 
     Returns
@@ -87,7 +60,6 @@ def read_input(
         path,
         sampling_rate_hz=sampling_rate_hz,
         fill_gaps_s=fill_gaps_s,
-        units=parse_units(units),
         expected=SENSORS[device],
     )
     for found in examine(recording):

@@ -24,10 +24,6 @@ Rate = Annotated[
     float | None,
     typer.Option(help="Hz; for files that state no rate (WheelMove-ID, some of Xsens).", min=1),
 ]
-Units = Annotated[
-    list[str] | None,
-    typer.Option("--unit", help="acc=g or gyr=deg/s: for files that state no unit."),
-]
 Strict = Annotated[
     bool, typer.Option("--strict", help="Refuse a recording with any fault of a sensor.")
 ]

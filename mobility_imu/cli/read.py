@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mobility_imu.cli.inputs import parse_units
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Quiet, Rate, Units
+from mobility_imu.cli.options import FillGaps, Quiet, Rate
 from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
@@ -32,7 +31,6 @@ def read(
         typer.Option("--map", help="TOML that says which column is what, for any other table."),
     ] = None,
     sampling_rate_hz: Rate = None,
-    unit: Units = None,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
@@ -47,7 +45,6 @@ def read(
         recording,
         sampling_rate_hz=sampling_rate_hz,
         fill_gaps_s=fill_gaps_s,
-        units=parse_units(unit),
         map_path=map_path,
     )
     warn(found.warnings)

@@ -9,7 +9,7 @@ import typer
 
 from mobility_imu.cli.inputs import read_input
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, Units, sub_app
+from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -60,7 +60,6 @@ def angles(
         bool, typer.Option("--causal", help="Fusion: use the past only, no smoother.")
     ] = False,
     sampling_rate_hz: Rate = None,
-    unit: Units = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
@@ -85,7 +84,7 @@ def angles(
         smooth=not causal,
     )
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
-    ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s, unit, strict)
+    ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s, strict)
     if "body" not in ride.sensors and not single_imu:
         raise InputError(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone give --single-imu"
@@ -119,7 +118,6 @@ def calibrate(
     ],
     output: Output,
     sampling_rate_hz: Rate = None,
-    unit: Units = None,
     strict: Strict = False,
     quiet: Quiet = False,
 ) -> None:
@@ -136,7 +134,7 @@ def calibrate(
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
     recordings = [
-        read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz, units=unit, strict=strict)
+        read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz, strict=strict)
         for path in parked
     ]
     found = calibrate_mount(recordings, settings, scooter)
@@ -173,7 +171,6 @@ def check(
         Path | None, typer.Option("--output", "-o", help="Also write the table as CSV.")
     ] = None,
     sampling_rate_hz: Rate = None,
-    unit: Units = None,
     strict: Strict = False,
     quiet: Quiet = False,
 ) -> None:
@@ -190,9 +187,7 @@ def check(
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad = read_poses(poses)
-    recording = read_input(
-        parked, "scooter", sampling_rate_hz=sampling_rate_hz, units=unit, strict=strict
-    )
+    recording = read_input(parked, "scooter", sampling_rate_hz=sampling_rate_hz, strict=strict)
     found = check_poses(recording, set_rad, scooter, mount, settings)
     written = []
     if output is not None:

@@ -9,7 +9,7 @@ import typer
 
 from mobility_imu.cli.inputs import read_input
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Smooth, Strict, Units, sub_app
+from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Smooth, Strict, sub_app
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -38,7 +38,6 @@ def calibrate(
     ] = "front,back,right,left",
     smooth: Smooth = True,
     sampling_rate_hz: Rate = None,
-    unit: Units = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
@@ -55,7 +54,7 @@ def calibrate(
 
     outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
     frame = WalkerGeometry.from_toml(geometry)
-    recording = read_input(tilts, "walker", sampling_rate_hz, fill_gaps_s, unit, strict)
+    recording = read_input(tilts, "walker", sampling_rate_hz, fill_gaps_s, strict)
     found = calibrate_mount(
         recording,
         frame,
@@ -92,7 +91,6 @@ def trajectory(
         ),
     ] = False,
     sampling_rate_hz: Rate = None,
-    unit: Units = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
@@ -112,7 +110,7 @@ def trajectory(
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
-    recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s, unit, strict)
+    recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s, strict)
     known = None if rests is None else read_rests(rests, recording.time_s)
     try:
         found = estimate_trajectory(

@@ -9,7 +9,7 @@ import typer
 
 from mobility_imu.cli.inputs import read_input
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, Units, sub_app
+from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
 from mobility_imu.errors import InputError, needs
 from mobility_imu.files import Outputs, csv_bytes, figure_bytes
 
@@ -55,7 +55,6 @@ def velocity(
     filter_window: Annotated[int, typer.Option(help="Samples in the filter's window, odd.")] = 7,
     filter_order: Annotated[int, typer.Option(help="Order of the Savitzky-Golay filter.")] = 2,
     sampling_rate_hz: Rate = None,
-    unit: Units = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
@@ -74,7 +73,7 @@ def velocity(
     chair = WheelchairGeometry.from_toml(geometry)
     drive, still, line = (
         smooth_recording(recording, smoothing, window=filter_window, order=filter_order)
-        for recording in _read(trials, sampling_rate_hz, fill_gaps_s, unit, strict)
+        for recording in _read(trials, sampling_rate_hz, fill_gaps_s, strict)
     )
     calibration = _calibrated(drive, still, line, take_off_offsets=camber != "printed")
     settings = (
@@ -112,7 +111,6 @@ def _read(
     trials: tuple[Path, ...],
     sampling_rate_hz: float | None,
     fill_gaps_s: float,
-    units: list[str] | None,
     strict: bool,
 ) -> list[Recording]:
     return [
@@ -121,7 +119,6 @@ def _read(
             "wheelchair",
             sampling_rate_hz=sampling_rate_hz,
             fill_gaps_s=fill_gaps_s,
-            units=units,
             strict=strict,
         )
         for trial in trials
@@ -142,7 +139,6 @@ def check(
         ),
     ] = 1.0,
     sampling_rate_hz: Rate = None,
-    unit: Units = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
@@ -152,9 +148,7 @@ def check(
     from mobility_imu.wheelchair import WheelchairGeometry, check_geometry
 
     chair = WheelchairGeometry.from_toml(geometry)
-    drive, still, line = _read(
-        (trial, static, straight), sampling_rate_hz, fill_gaps_s, unit, strict
-    )
+    drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s, strict)
     calibration = _calibrated(drive, still, line)
     found = check_geometry(
         drive,
