@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
+from functools import partial
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.faults import Fault, Repair, interpolated, multiplied, widened
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.quality import frozen_samples, saturated_samples, turned_gravity
 from mobility_imu.recording import Imu, Recording
@@ -49,26 +50,7 @@ SURE_FIT, CLEARLY_WORSE, SURE_AGAINST = 0.75, 0.25, 0.55
 have to fit worse; or a correlation of the stated signs below minus the last."""
 
 
-class Finding(NamedTuple):
-    """A fault of a sensor.
-
-    Parameters
-    ----------
-    code : "frozen", "dead axis", "spike", "range", "reversed", "copy"
-    sensor : name, with the half that is at fault ("frame_gyr")
-    first_s : s, when it begins, on the recording's clock
-    samples : how many samples it touches
-    sentence : what is wrong, where, and what to do
-    """
-
-    code: str
-    sensor: str
-    first_s: float
-    samples: int
-    sentence: str
-
-
-def examine(recording: Recording) -> tuple[Finding, ...]:
+def examine(recording: Recording) -> tuple[Fault, ...]:
     """Look for faults of the sensors of a recording.
 
     Parameters
@@ -77,9 +59,9 @@ def examine(recording: Recording) -> tuple[Finding, ...]:
 
     Returns
     -------
-    tuple of Finding, empty if nothing was found
+    tuple of Fault, empty if nothing was found
     """
-    found: list[Finding] = []
+    found: list[Fault] = []
     for name, imu in recording.sensors.items():
         found += _halves(recording, name, imu)
         said = {fault.code for fault in found if fault.sensor.startswith(f"{name}_")}
@@ -89,54 +71,79 @@ def examine(recording: Recording) -> tuple[Finding, ...]:
     return tuple(found)
 
 
-def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Finding]:
+def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:
     """Faults of one half of a sensor: frozen, dead axis, spikes, range."""
     rate = recording.sampling_rate_hz
     felt = () if imu.gyr_radps is None else (turned_gravity(imu.acc_mps2, imu.gyr_radps, rate),)
     halves = [("acc", imu.acc_mps2, SPIKE_MPS2, "m/s²")]
     if imu.gyr_radps is not None:
         halves.append(("gyr", imu.gyr_radps, SPIKE_RADPS, "rad/s"))
+
+    def bridged(flags: NDArray[np.bool_]) -> Repair:
+        return partial(interpolated, sensor=name, half=half, flags=flags)
+
     for half, values, spike, unit in halves:
         label = f"{name}_{half}"
         frozen = frozen_samples(values, rate, follows=felt if half == "acc" else ())
         if half == "gyr":
             frozen = frozen | _silent(imu.acc_mps2, values, rate)
         if frozen.any():
-            yield _finding(
+            yield fault_of(
                 recording, "frozen", label, frozen,
                 "repeats its last reading; leave these times out, or record again",
+                size=float(frozen.sum() / rate), unit="s", repair=bridged(frozen),
             )  # fmt: skip
         for k in _dead_axes(values):
             whole = np.ones(len(values), np.bool_)
-            yield _finding(
+            yield fault_of(
                 recording, "dead axis", f"{label}_{'xyz'[k]}", whole,
                 f"is {values[0, k]:g} {unit} throughout, while other axes move: it says nothing",
             )  # fmt: skip
         far = _spikes(values, spike)
         if far.any():
-            k = int(np.argmax(far))
-            yield _finding(
+            largest = float(np.abs(values[far]).max())
+            yield fault_of(
                 recording, "spike", label, far,
-                f"jumps for single samples (to {np.abs(values[k]).max():.3g} {unit} first), which "
-                "no movement does; remove them",
+                f"jumps for single samples (to {largest:.3g} {unit} at most), which no movement "
+                "does; remove them", size=largest, unit=unit, repair=bridged(far),
             )  # fmt: skip
         cut = (saturated_samples(values) | _pinned(values)) & ~frozen
         if cut.any():
-            largest = np.abs(values[cut]).max()
-            yield _finding(
+            largest = float(np.abs(values[cut]).max())
+            yield fault_of(
                 recording, "range", label, cut,
                 f"stays at the end of its range, {largest:.4g} {unit}; choose a wider range",
+                size=largest, unit=unit, repair=partial(widened, sensor=name, half=half, flags=cut),
             )  # fmt: skip
 
 
-def _finding(
-    recording: Recording, code: str, label: str, flags: NDArray[np.bool_], what: str
-) -> Finding:
+def fault_of(
+    recording: Recording,
+    code: str,
+    sensor: str,
+    flags: NDArray[np.bool_],
+    what: str,
+    *,
+    size: float = float("nan"),
+    unit: str = "",
+    repair: Repair | None = None,
+) -> Fault:
+    """Fault whose sentence names the file, the sensor, and when it begins.
+
+    Parameters
+    ----------
+    recording : Recording
+    code, sensor, flags, size, unit, repair : of :class:`~mobility_imu.faults.Fault`
+    what : the rest of the sentence, after the sensor's name
+
+    Returns
+    -------
+    Fault
+    """
     first = float(recording.time_s[int(np.argmax(flags))])
-    count = int(flags.sum())
-    where = "" if flags.all() else f" in {count} samples, first at {first:.2f} s,"
-    sentence = f"{recording.source}: {label}{where} {what}"
-    return Finding(code, label, first, count, sentence)
+    where = "" if flags.all() else f" in {int(flags.sum())} samples, first at {first:.2f} s,"
+    sentence = f"{recording.source}: {sensor}{where} {what}"
+    return Fault(code, sensor, first, flags, sentence, size, unit, repair)
 
 
 def _silent(acc: FloatArray, gyr: FloatArray, rate_hz: float) -> NDArray[np.bool_]:
@@ -186,9 +193,7 @@ def _pinned(values: FloatArray) -> NDArray[np.bool_]:
     return np.asarray((at_end & (often & varied)).any(axis=1))
 
 
-def _reversed(
-    recording: Recording, name: str, acc: FloatArray, gyr: FloatArray
-) -> Iterator[Finding]:
+def _reversed(recording: Recording, name: str, acc: FloatArray, gyr: FloatArray) -> Iterator[Fault]:
     """A gyroscope whose signs do not fit: gravity turns in the sensor's axes by -rate x force.
 
     All eight choices of signs are tried; accelerations only add noise to each. Signs of axes that
@@ -233,10 +238,12 @@ def _reversed(
     if bad:
         what = "the gyroscope" if len(bad) == 3 else f"axis {', '.join(bad)} of the gyroscope"
         whole = np.ones(len(acc), np.bool_)
-        yield _finding(
+        signs = np.array(verdicts[0])
+        yield fault_of(
             recording, "reversed", f"{name}_gyr", whole,
             f"turns the other way than gravity shows: {what} has the wrong sign, or the "
             "accelerometer has; check the export's axes",
+            repair=partial(multiplied, sensor=name, half="gyr", factors=signs),
         )  # fmt: skip
 
 
@@ -246,7 +253,7 @@ def _alike(expected: FloatArray, seen: FloatArray) -> float:
     return float((expected * seen).sum()) / size if size > 0 else 0.0
 
 
-def _copies(recording: Recording) -> Iterator[Finding]:
+def _copies(recording: Recording) -> Iterator[Fault]:
     """Sensors whose accelerations are the same in every sample, and do change."""
     seen: dict[bytes, str] = {}
     for name, imu in recording.sensors.items():
@@ -255,8 +262,8 @@ def _copies(recording: Recording) -> Iterator[Finding]:
             continue
         first = seen.setdefault(hashlib.sha256(imu.acc_mps2.tobytes()).digest(), name)
         if first != name:
-            yield Finding(
-                "copy", f"{first}, {name}", float(recording.time_s[0]), len(imu.acc_mps2),
+            yield Fault(
+                "copy", f"{first}, {name}", float(recording.time_s[0]), np.ones(len(imu), np.bool_),
                 f"{recording.source}: {first} and {name} have the same readings: one sensor was "
                 "exported twice; give the recording of each",
             )  # fmt: skip

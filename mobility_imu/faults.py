@@ -1,0 +1,358 @@
+"""A fault of a sensor: where it is, how large, how to undo it, and what it costs in the result.
+
+What a fault costs is found by running the estimate twice: on the recording as it is, and on one in
+which the fault is undone as well as the other readings allow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import reduce
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_floats
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.results import Result
+from mobility_imu.runs import runs_of
+
+FEWEST_BESIDE = 5
+"""Samples on either side of a cut peak that a curve is fitted to, at least."""
+MOST_PRICED = 6
+"""Faults whose cost is found, of one recording: each takes an estimate of its own."""
+
+
+Repair = Callable[[Recording], Recording]
+"""Gives a recording without a fault, as well as the other readings allow."""
+
+
+class Cost(NamedTuple):
+    """How far a fault moves a result.
+
+    Parameters
+    ----------
+    name : of the result ("steering")
+    largest : largest change of the result over the recording, in the unit
+    unit : "deg", "m/s", "deg/s", "m"
+    """
+
+    name: str
+    largest: float
+    unit: str
+
+    def __str__(self) -> str:
+        """Words of a message."""
+        return f"the {self.name} by up to {self.largest:.2g} {self.unit}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fault(Result):
+    """A fault of a sensor, or of what was promised of a recording.
+
+    Parameters
+    ----------
+    code : kind of the fault ("frozen", "range", "lag")
+    sensor : name, with the half that is at fault where it is one ("frame_gyr")
+    first_s : s, when it begins, on the recording's clock
+    flags : (n,) bool array, the samples that it touches
+    sentence : what is wrong, where, and what to do
+    size : how large it is, in ``unit``; NaN if it has no size
+    unit : of the size
+    repair : what gives the recording without the fault, as well as can be; None if nothing can
+    costs : how far it moves the results; empty if that is not known
+    """
+
+    code: str
+    sensor: str
+    first_s: float
+    flags: NDArray[np.bool_]
+    sentence: str
+    size: float = float("nan")
+    unit: str = ""
+    repair: Repair | None = None
+    costs: tuple[Cost, ...] = ()
+
+    @property
+    def samples(self) -> int:
+        """Number of samples that it touches."""
+        return int(self.flags.sum())
+
+    @property
+    def told(self) -> str:
+        """The sentence, with what the fault costs where that is known."""
+        if not self.costs:
+            return self.sentence
+        return f"{self.sentence}; it moves {' and '.join(map(str, self.costs))}"
+
+
+Estimate = Callable[[Recording], Mapping[tuple[str, str], FloatArray]]
+"""What an estimate gives for a recording: name and unit of each result to its series."""
+
+
+def with_costs(
+    faults: Iterable[Fault], recording: Recording, estimate: Estimate
+) -> tuple[Fault, ...]:
+    """Find what each fault moves the results by.
+
+    Each fault is undone by itself; what the others cost does not enter.
+
+    Parameters
+    ----------
+    faults : Fault, of the recording
+    recording : Recording
+    estimate : function of a recording; its series have one value per sample, NaN where there is
+        none, in the unit that the message names
+
+    Returns
+    -------
+    tuple of Fault; those that cannot be undone, or whose estimate is refused, are as they were
+    """
+    faults = tuple(faults)
+    if not any(fault.repair is not None for fault in faults):
+        return faults
+    try:
+        found = estimate(recording)
+    except InputError:
+        return faults
+    return tuple(
+        _priced(fault, recording, estimate, found) if k < MOST_PRICED else fault
+        for k, fault in enumerate(faults)
+    )
+
+
+def _priced(
+    fault: Fault,
+    recording: Recording,
+    estimate: Estimate,
+    found: Mapping[tuple[str, str], FloatArray],
+) -> Fault:
+    if fault.repair is None:
+        return fault
+    try:
+        better = estimate(fault.repair(recording))
+    except InputError:
+        return fault
+    costs = tuple(
+        Cost(name, largest, unit)
+        for (name, unit), values in found.items()
+        if (largest := largest_change(values, better[name, unit])) > 0
+    )
+    return replace(fault, costs=costs)
+
+
+def largest_change(first: ArrayLike, second: ArrayLike) -> float:
+    """Largest difference of two series where both are known; 0 where neither is.
+
+    Parameters
+    ----------
+    first, second : arrays of one shape
+
+    Returns
+    -------
+    float
+    """
+    apart = np.abs(as_floats(first, "first") - as_floats(second, "second"))
+    return float(np.nanmax(apart)) if np.isfinite(apart).any() else 0.0
+
+
+def all_repaired(faults: Iterable[Fault], recording: Recording) -> Recording:
+    """Recording in which each fault is undone that can be.
+
+    Parameters
+    ----------
+    faults : Fault, of the recording
+    recording : Recording
+
+    Returns
+    -------
+    Recording
+    """
+    repairs = [fault.repair for fault in faults if fault.repair is not None]
+    return reduce(lambda mended, repair: repair(mended), repairs, recording)
+
+
+def with_readings(
+    recording: Recording,
+    sensor: str,
+    *,
+    acc_mps2: FloatArray | None = None,
+    gyr_radps: FloatArray | None = None,
+) -> Recording:
+    """Recording with other readings of one sensor.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    acc_mps2, gyr_radps : (n, 3) arrays; None leaves what is there
+
+    Returns
+    -------
+    Recording
+    """
+    imu = recording.sensor(sensor)
+    new = Imu(
+        imu.acc_mps2 if acc_mps2 is None else acc_mps2,
+        imu.gyr_radps if gyr_radps is None else gyr_radps,
+    )
+    return Recording(recording.time_s, {**recording.sensors, sensor: new}, source=recording.source)
+
+
+def with_half(recording: Recording, sensor: str, half: str, values: FloatArray) -> Recording:
+    """Recording with other readings of one half of a sensor.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    half : "acc" or "gyr"
+    values : (n, 3) array, m/s² or rad/s
+
+    Returns
+    -------
+    Recording
+    """
+    if half == "acc":
+        return with_readings(recording, sensor, acc_mps2=values)
+    return with_readings(recording, sensor, gyr_radps=values)
+
+
+def half_of(recording: Recording, sensor: str, half: str) -> FloatArray:
+    """Readings of one half of a sensor.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    half : "acc" or "gyr"
+
+    Returns
+    -------
+    (n, 3) array, m/s² or rad/s
+    """
+    return recording.sensor(sensor).acc_mps2 if half == "acc" else recording.gyroscope(sensor)
+
+
+def interpolated(
+    recording: Recording, sensor: str, half: str, flags: NDArray[np.bool_]
+) -> Recording:
+    """Recording in which samples of one half are replaced by lines between their neighbours.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    half : "acc" or "gyr"
+    flags : (n,) bool array, the samples that are replaced
+
+    Returns
+    -------
+    Recording; as it was if no sample is left to interpolate from
+    """
+    if flags.all():
+        return recording
+    time_s, values = recording.time_s, half_of(recording, sensor, half)
+    axes = [np.interp(time_s, time_s[~flags], axis[~flags]) for axis in values.T]
+    return with_half(recording, sensor, half, np.column_stack(axes))
+
+
+def widened(recording: Recording, sensor: str, half: str, flags: NDArray[np.bool_]) -> Recording:
+    """Recording in which the readings at the end of a range go on as a smooth curve.
+
+    A cubic that fits the samples on both sides takes the place of the lost ones; where it falls
+    inside the range they stay as they are.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    half : "acc" or "gyr"
+    flags : (n,) bool array, the samples at the end of the range
+
+    Returns
+    -------
+    Recording
+    """
+    values = half_of(recording, sensor, half)
+    curves = np.array(values)
+    for k, axis in enumerate(values.T):
+        limit = np.abs(axis[flags]).max(initial=0.0)
+        at_end = flags & (np.abs(axis) == limit)
+        for lost in runs_of(at_end):
+            beside = max(FEWEST_BESIDE, (lost.stop - lost.start) // 2)
+            around = np.arange(max(0, lost.start - beside), min(len(axis), lost.stop + beside))
+            known = around[~at_end[around]]
+            if known.size < FEWEST_BESIDE or not known[0] < lost.start <= known[-1]:
+                continue
+            cubic = np.polynomial.Polynomial.fit(known, axis[known], 3)
+            # A bow through many lost samples means nothing: twice the range at most.
+            sign = np.sign(axis[lost])
+            curves[lost, k] = sign * np.clip(
+                sign * cubic(np.arange(len(axis))[lost]), limit, 2 * limit
+            )
+    return with_half(recording, sensor, half, curves)
+
+
+def multiplied(recording: Recording, sensor: str, half: str, factors: ArrayLike) -> Recording:
+    """Recording in which one half is multiplied, axis by axis (signs, scale factors).
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    half : "acc" or "gyr"
+    factors : number or (3,) array
+
+    Returns
+    -------
+    Recording
+    """
+    values = half_of(recording, sensor, half) * as_floats(factors, "factors")
+    return with_half(recording, sensor, half, values)
+
+
+def shifted(recording: Recording, sensor: str, lag_s: float) -> Recording:
+    """Recording in which a sensor's readings come earlier by a lag; its ends are held.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    lag_s : s by which the sensor comes late; negative if it comes early
+
+    Returns
+    -------
+    Recording
+    """
+    imu, time_s = recording.sensor(sensor), recording.time_s
+
+    def moved(values: FloatArray) -> FloatArray:
+        return np.column_stack([np.interp(time_s + lag_s, time_s, axis) for axis in values.T])
+
+    return with_readings(
+        recording,
+        sensor,
+        acc_mps2=moved(imu.acc_mps2),
+        gyr_radps=None if imu.gyr_radps is None else moved(imu.gyr_radps),
+    )
+
+
+def exchanged(recording: Recording, first: str, second: str) -> Recording:
+    """Recording in which two sensors have each other's names.
+
+    Parameters
+    ----------
+    recording : Recording
+    first, second : names
+
+    Returns
+    -------
+    Recording
+    """
+    names = {first: second, second: first}
+    sensors = {name: recording.sensor(names.get(name, name)) for name in recording.sensors}
+    return Recording(recording.time_s, sensors, source=recording.source)
