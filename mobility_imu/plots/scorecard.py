@@ -123,7 +123,7 @@ def show_rows(rows: pd.DataFrame, name: str, *, last: str) -> Styler:
             last: rows[last].fillna(""),
         }
     )
-    return _laid_out(table, name, (40, 12, 12, 10, 10, 16))
+    return _laid_out(table, name, (37, 12, 13, 10, 13, 15))
 
 
 def show_real_rows(rows: pd.DataFrame, name: str) -> Styler:
