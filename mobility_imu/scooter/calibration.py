@@ -48,6 +48,8 @@ They are those of the usual factory calibration; parked poses do not show them.
 """
 PRIOR_SD_RAD = float(np.deg2rad(2.0))
 """Standard deviation of a mount about each axis before anything was measured."""
+SMALLEST_SD_RAD = 1e-9
+"""Smallest standard deviation of a stop or a mount that may be stated: misfits are over it."""
 UNSEEN_FRACTION = 0.8
 """A direction is unseen if its standard deviation is more than this fraction of the prior's."""
 DIRECTIONS = (
@@ -194,11 +196,15 @@ def mount_from_poses(
     Raises
     ------
     InputError
-        If there are too few different poses, or the least squares find no mount.
+        If there are too few different poses, a standard deviation is too small to divide by, or
+        the least squares find no mount.
     """
     expect("geometry", geometry, ScooterGeometry)
     pose_sd = as_number(pose_sd_rad, "pose_sd_rad")
     prior_sd = as_number(prior_sd_rad, "prior_sd_rad")
+    for name, size in (("pose_sd_rad", pose_sd), ("prior_sd_rad", prior_sd)):
+        if size < SMALLEST_SD_RAD:
+            raise InputError(f"{name} = {size:g}: expected at least {SMALLEST_SD_RAD:g} rad")
     different = {(round(p.steering_rad, 3), round(p.throttle_rad, 3)) for p in poses}
     if len(poses) < 3 or len({p[0] for p in different}) < 2 or len({p[1] for p in different}) < 2:
         raise InputError(

@@ -91,6 +91,14 @@ def test_steps_are_counted_exactly(level):
     assert np.mean(exact) >= 0.95
 
 
+@pytest.mark.parametrize("size", [1e160, 1e300])
+def test_steps_of_any_size_have_a_length(size):
+    """Squares of such lengths overflow; the lengths do not."""
+    path = drawn([STEP, STEP])
+    found = find_steps(replace(path, position_m=path.position_m * size))
+    assert found.length_m == pytest.approx(find_steps(path).length_m * size)
+
+
 @pytest.mark.parametrize("level", LEVELS)
 def test_times_lengths_and_turns(level):
     """Times to what the detector's mean explains; lengths to 1 cm; turns to 0.5 deg."""
