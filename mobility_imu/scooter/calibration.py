@@ -200,11 +200,8 @@ def mount_from_poses(
         the least squares find no mount.
     """
     expect("geometry", geometry, ScooterGeometry)
-    pose_sd = as_number(pose_sd_rad, "pose_sd_rad")
-    prior_sd = as_number(prior_sd_rad, "prior_sd_rad")
-    for name, size in (("pose_sd_rad", pose_sd), ("prior_sd_rad", prior_sd)):
-        if size < SMALLEST_SD_RAD:
-            raise InputError(f"{name} = {size:g}: expected at least {SMALLEST_SD_RAD:g} rad")
+    pose_sd = _as_sd(pose_sd_rad, "pose_sd_rad")
+    prior_sd = _as_sd(prior_sd_rad, "prior_sd_rad")
     different = {(round(p.steering_rad, 3), round(p.throttle_rad, 3)) for p in poses}
     if len(poses) < 3 or len({p[0] for p in different}) < 2 or len({p[1] for p in different}) < 2:
         raise InputError(
@@ -253,6 +250,14 @@ def mount_from_poses(
     return ScooterCalibration(
         ScooterMount(lever, body, sd), sd, unseen, geometry, warnings, pose_sd, prior_sd
     )
+
+
+def _as_sd(value: float, name: str) -> float:
+    """Standard deviation that misfits can be divided by."""
+    sd = as_number(value, name)
+    if sd < SMALLEST_SD_RAD:
+        raise InputError(f"{name} = {sd:g}: expected at least {SMALLEST_SD_RAD:g} rad")
+    return sd
 
 
 class _Stops(NamedTuple):

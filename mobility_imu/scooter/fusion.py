@@ -502,7 +502,7 @@ def _checked(
 
 
 def _check_largest(values: FloatArray, name: str, limit: float) -> None:
-    """Refuse what is beyond any sensor and any body; NaN passes."""
+    """Check that nothing is beyond any sensor and any body; NaN passes."""
     largest = float(np.abs(values).max(initial=0.0))
     if largest > limit:
         raise InputError(

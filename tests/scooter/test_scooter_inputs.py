@@ -50,7 +50,7 @@ ONE = (1e300, 1.7e308, -1e300, 1e160, 10**12, 2**70, 1e-160, 1e-300)
 
 
 def large(shape):
-    """Arrays of the shape that are large everywhere, here and there, or to and fro."""
+    """Arrays of the shape that are large everywhere, here and there, or up and down."""
     number = np.arange(np.prod(shape)).reshape(shape)
     yield from (np.full(shape, size) for size in (1e160, 1e300, 1.7e308))
     yield np.where(number % 7 == 0, 1e300, 1.0)

@@ -134,7 +134,7 @@ STRANGE = {
     "largest": 1e308,
     "large vector": [1e300, -1e300, 1e300],
     "largest series": np.full(COUNT, 1.7e308),
-    "largest to and fro": 1.7e308 * (-1.0) ** np.arange(COUNT),
+    "largest up and down": 1.7e308 * (-1.0) ** np.arange(COUNT),
     "largest vectors": np.full((COUNT, 3), 1.7e308),
     "whole and large": 10**12,
     "whole and larger": 2**70,
