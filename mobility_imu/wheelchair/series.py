@@ -53,7 +53,8 @@ def as_motion(values: ArrayLike, name: str, *, length: int | None = None) -> Flo
     Raises
     ------
     InputError
-        As :func:`~mobility_imu.frames.as_series`, and if a value is beyond ``LARGEST_MOTION``.
+        If it has another shape or length, holds NaN or infinity, or a value is beyond
+        ``LARGEST_MOTION``.
     """
     series = as_series(values, name, length=length)
     largest = max(float(series.max()), -float(series.min())) if len(series) else 0.0
