@@ -225,6 +225,12 @@ def dask(step: Step) -> str:
     return summary(found)
 
 
+def slow(step: Step) -> str:
+    """Tests whose faster part is in the suite: whole studies, all draws."""
+    found = step.run(*(sys.executable, *SUITE, "-m", "slow", "tests"), cwd=ROOT, **ONE_THREAD)
+    return summary(found)
+
+
 def mutations(step: Step) -> str:
     """2,000 inputs damaged at random: no traceback, no lost file."""
     found = step.run(
@@ -243,7 +249,7 @@ def mutations(step: Step) -> str:
 
 STEPS: dict[str, Callable[[Step], str]] = {
     step.__name__: step
-    for step in (wheel, sdist, lowest, bounds, nonumba, dask, mutations, requirements)
+    for step in (wheel, sdist, lowest, bounds, nonumba, slow, dask, mutations, requirements)
 }
 """Every step by its name, in the order in which they run."""
 

@@ -32,6 +32,8 @@ __all__ = [
     "without_offsets",
 ]
 
+LARGEST_READING = 1e6
+"""Of a rate or an acceleration, in rad/s and m/s²; squares of it can be summed."""
 WINDOW_S = 1.0
 """Length over which rates and specific force must not change."""
 LARGEST_WOBBLE_RADPS = 0.05
@@ -145,11 +147,16 @@ def rest_flags(
     Raises
     ------
     InputError
-        If the arrays are no series of three real numbers, or differ in length.
+        If the arrays are no series of three real numbers, differ in length, or hold what no
+        sensor reads.
     """
     acc = as_vectors(acc_mps2, "acc_mps2", ndim=2, finite=True)
     gyr = as_vectors(gyr_radps, "gyr_radps", length=len(acc), finite=True)
     rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    for name, values in (("acc_mps2", acc), ("gyr_radps", gyr)):
+        largest = float(np.abs(values).max(initial=0.0))
+        if largest > LARGEST_READING:
+            raise InputError(f"{name}: reaches {largest:.4g}, more than any sensor reads")
     window = max(3, round(WINDOW_S * rate))
     if len(acc) < window:
         return np.zeros(len(acc), np.bool_)

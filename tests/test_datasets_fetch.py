@@ -4,6 +4,7 @@ import errno
 import hashlib
 import io
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -11,6 +12,7 @@ import time
 import zipfile
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
@@ -281,13 +283,15 @@ class TestAllOrNothing:
         (tools / "git").chmod(0o755)
         environment = os.environ | {"PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"}
         command = [sys.executable, "-m", "mobility_imu", "fetch", GIT]
+        # A job in the background of a shell passes on that it ignores interrupts.
+        heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
         with subprocess.Popen(
-            command, env=environment, stderr=subprocess.PIPE, text=True
+            command, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=heard
         ) as process:
             deadline = time.monotonic() + 60
             while not (started.exists() and started.read_text()) and time.monotonic() < deadline:
                 time.sleep(0.02)
-            process.send_signal(2)
+            process.send_signal(signal.SIGINT)
             _, errors = process.communicate(timeout=60)
         assert process.returncode == 130
         assert errors == "mobility-imu: interrupted\n"

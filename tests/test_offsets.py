@@ -271,3 +271,14 @@ def test_impossible_offsets_are_refused(given, says):
     GyroscopeOffset(**usual, rest_s=0.0)
     with pytest.raises(InputError, match=says):
         GyroscopeOffset(**{**usual, "rest_s": 1.0, **given})
+
+
+@pytest.mark.parametrize("size", [1e7, 1e160, 1.7e308])
+def test_what_no_sensor_reads_is_refused(size):
+    usual = np.full((200, 3), 0.1)
+    for arrays, name in (((size * usual * 10, usual), "acc"), ((usual, size * usual * 10), "gyr")):
+        with (
+            np.errstate(over="ignore"),
+            pytest.raises(InputError, match=f"{name}_.*: reaches|nite"),
+        ):
+            rest_flags(*arrays, 100.0)

@@ -48,6 +48,8 @@ They are those of the usual factory calibration; parked poses do not show them.
 """
 PRIOR_SD_RAD = float(np.deg2rad(2.0))
 """Standard deviation of a mount about each axis before anything was measured."""
+SMALLEST_SD_RAD = 1e-9
+"""Smallest standard deviation of a stop or a mount that may be stated: misfits are over it."""
 UNSEEN_FRACTION = 0.8
 """A direction is unseen if its standard deviation is more than this fraction of the prior's."""
 DIRECTIONS = (
@@ -194,11 +196,12 @@ def mount_from_poses(
     Raises
     ------
     InputError
-        If there are too few different poses, or the least squares find no mount.
+        If there are too few different poses, a standard deviation is too small to divide by, or
+        the least squares find no mount.
     """
     expect("geometry", geometry, ScooterGeometry)
-    pose_sd = as_number(pose_sd_rad, "pose_sd_rad")
-    prior_sd = as_number(prior_sd_rad, "prior_sd_rad")
+    pose_sd = _as_sd(pose_sd_rad, "pose_sd_rad")
+    prior_sd = _as_sd(prior_sd_rad, "prior_sd_rad")
     different = {(round(p.steering_rad, 3), round(p.throttle_rad, 3)) for p in poses}
     if len(poses) < 3 or len({p[0] for p in different}) < 2 or len({p[1] for p in different}) < 2:
         raise InputError(
@@ -247,6 +250,14 @@ def mount_from_poses(
     return ScooterCalibration(
         ScooterMount(lever, body, sd), sd, unseen, geometry, warnings, pose_sd, prior_sd
     )
+
+
+def _as_sd(value: float, name: str) -> float:
+    """Standard deviation that misfits can be divided by."""
+    sd = as_number(value, name)
+    if sd < SMALLEST_SD_RAD:
+        raise InputError(f"{name} = {sd:g}: expected at least {SMALLEST_SD_RAD:g} rad")
+    return sd
 
 
 class _Stops(NamedTuple):

@@ -71,10 +71,16 @@ LARGEST_VALID_SD_RAD = float(np.deg2rad(20.0))
 """Standard deviation of the steering from which a sample is not valid."""
 SLOWEST_RATE_HZ = 10.0
 """Sampling rate below which the rates cannot be integrated; the controls turn within 0.1 s."""
+FASTEST_RATE_HZ = 1e6
+"""Sampling rate beyond which no such sensor measures; filters over it would fill the memory."""
 LARGEST_ACC_MPS2 = 2000.0
 """Largest component of an acceleration, m/s²; beyond what such sensors measure (200 g)."""
 LARGEST_RATE_RADPS = 100.0
 """Largest component of a rate, rad/s; beyond what such sensors measure (4000 deg/s is 70)."""
+LONGEST_ARM_M = 1000.0
+"""Largest component of a lever arm, m, that a rigid body may have."""
+NARROWEST, WIDEST = 1e-3, 1e6
+"""Widths of the Gaussian of a derivative, in samples."""
 START_SD_RAD = 0.35
 """How far the first angles may be off."""
 PLAIN_S_PER_SAMPLE = 3e-4
@@ -154,13 +160,23 @@ def move_specific_force(
     Raises
     ------
     InputError
-        If the arrays differ in shape, or a number is not positive.
+        If the arrays differ in shape or hold numbers that no such sensor measures, a number is not
+        positive, or the smoothing is far narrower than a sample or wider than any recording.
     """
     acc = as_vectors(acc_mps2, "acc_mps2", ndim=2)
     gyr = as_vectors(gyr_radps, "gyr_radps", length=len(acc))
     arm = as_vectors(arm_m, "arm_m", ndim=1)
+    _check_largest(acc, "acc_mps2", LARGEST_ACC_MPS2)
+    _check_largest(gyr, "gyr_radps", LARGEST_RATE_RADPS)
+    _check_largest(arm, "arm_m", LONGEST_ARM_M)
     rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
-    width = as_number(smoothing_s, "smoothing_s") * rate_hz
+    smoothing = as_number(smoothing_s, "smoothing_s")
+    width = smoothing * rate_hz
+    if not NARROWEST <= width <= WIDEST:
+        raise InputError(
+            f"smoothing_s = {smoothing:g}: expected {NARROWEST:g} to {WIDEST:g} samples at "
+            f"sampling_rate_hz = {rate_hz:g}"
+        )
     spin_up = ndimage.gaussian_filter1d(gyr, width, axis=0, order=1)
     euler = np.cross(spin_up * rate_hz, arm)
     return acc + euler + np.cross(gyr, np.cross(gyr, arm))
@@ -189,7 +205,7 @@ def fuse_angles(
     ----------
     lever_acc_mps2, lever_gyr_radps : (n, 3) arrays, m/s² and rad/s, in {T}, all finite
     body_acc_mps2, body_gyr_radps : (n, 3) arrays, m/s² and rad/s, in {B}, all finite
-    sampling_rate_hz : Hz, even samples, at least ``SLOWEST_RATE_HZ``
+    sampling_rate_hz : Hz, even samples, from ``SLOWEST_RATE_HZ`` to ``FASTEST_RATE_HZ``
     geometry : ScooterGeometry
     settings : FusionSettings; None is the default, with the noises taken from the recording
     smooth : whether each angle uses the whole recording; False uses the past only, and states a
@@ -206,8 +222,8 @@ def fuse_angles(
     ------
     InputError
         Arrays of different shapes, without samples, with numbers that are not finite or that no
-        such sensor measures; a sampling rate that is too low; accelerations in g, or with gravity
-        in the wrong direction.
+        such sensor measures; a sampling rate that is too low or too high; accelerations in g, or
+        with gravity in the wrong direction.
     """
     settings = settings_or_default("settings", settings, FusionSettings)
     readings, rate_hz = _checked(
@@ -458,10 +474,10 @@ def _checked(
 ) -> tuple[_Readings, float]:
     """All readings as the compiled loops need them, and the sampling rate."""
     rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
-    if rate_hz < SLOWEST_RATE_HZ:
+    if not SLOWEST_RATE_HZ <= rate_hz <= FASTEST_RATE_HZ:
         raise InputError(
             f"sampling_rate_hz = {rate_hz:g}: expected {SLOWEST_RATE_HZ:g} Hz or more, for rates "
-            "are integrated (is the time in ms?)"
+            f"are integrated, and {FASTEST_RATE_HZ:g} at most (is the time in ms?)"
         )
     arrays = []
     for values, name, limit in (
@@ -472,12 +488,7 @@ def _checked(
     ):
         # A copy: a read-only array would be another type to the compiler.
         array = np.array(as_vectors(values, name, ndim=2, finite=True), order="C")
-        largest = float(np.abs(array).max(initial=0.0))
-        if largest > limit:
-            raise InputError(
-                f"{name}: reaches {largest:.4g}, more than any such sensor measures ({limit:g}): "
-                "is it in another unit?"
-            )
+        _check_largest(array, name, limit)
         arrays.append(array)
     readings = _Readings(*arrays)
     shapes = {array.shape for array in readings}
@@ -488,6 +499,15 @@ def _checked(
         )
     check_gravity(readings.lever_acc, readings.body_acc, geometry)
     return readings, rate_hz
+
+
+def _check_largest(values: FloatArray, name: str, limit: float) -> None:
+    """Check that nothing is beyond any sensor and any body; NaN passes."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if largest > limit:
+        raise InputError(
+            f"{name}: reaches {largest:.4g}, expected {limit:g} at most: is it in another unit?"
+        )
 
 
 def _first_angles(

@@ -46,7 +46,8 @@ def acceleration_noise(lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike) -> f
     Raises
     ------
     InputError
-        If the arrays differ in shape, are empty, or hold a number that is not finite.
+        If the arrays differ in shape, are empty, or hold a number that is not finite or has no
+        square.
 
     Examples
     --------
@@ -58,7 +59,11 @@ def acceleration_noise(lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike) -> f
     body = as_vectors(body_acc_mps2, "body_acc_mps2", length=len(lever), finite=True)
     if not len(lever):
         raise InputError("lever_acc_mps2: no sample, expected at least one")
-    apart = np.linalg.norm(lever, axis=1) - np.linalg.norm(body, axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused
+        apart = np.linalg.norm(lever, axis=1) - np.linalg.norm(body, axis=1)
+    if not np.isfinite(apart).all():
+        row = int(np.argmin(np.isfinite(apart)))
+        raise InputError(f"accelerations at row {row}: too large to have a length")
     return max(float(_spread(apart)), smallest_step(lever, body))
 
 

@@ -55,6 +55,7 @@ class ScooterMount(Result):
             object.__setattr__(self, SD_KEY, sd)
         super().__post_init__()
 
+    @np.errstate(over="ignore", invalid="ignore")  # beyond the largest number is infinity
     def lever(self, vectors: ArrayLike) -> FloatArray:
         """Turn the lever IMU's readings into {T}.
 
@@ -68,6 +69,7 @@ class ScooterMount(Result):
         """
         return as_vectors(vectors, "vectors") @ self.rotation_lever_imu_to_lever.T
 
+    @np.errstate(over="ignore", invalid="ignore")  # beyond the largest number is infinity
     def body(self, vectors: ArrayLike) -> FloatArray:
         """Turn the body IMU's readings into {B}.
 

@@ -10,6 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
+    LONGEST_STEP_S,
+    SHORTEST_STEP_S,
     STANDARD_GRAVITY_MPS2,
     FloatArray,
     as_flags,
@@ -23,6 +25,8 @@ __all__ = ["ArcFit", "arm_noise", "fit_arc"]
 
 LEAST_TURN_RAD = float(np.deg2rad(1))
 """With less of a turn the noise decides where the axis is."""
+LARGEST_SIZE = 1e9
+"""Of a position, m, and of a noise, above which squares lose their meaning."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,10 +68,12 @@ def fit_arc(position_m: ArrayLike, rotation_imu_to_world: ArrayLike) -> ArcFit:
     Raises
     ------
     InputError
-        If there are too few samples, or the IMU turns by less than 1 deg.
+        If there are too few samples, the IMU turns by less than 1 deg, or a number is so large
+        that it is no position or rotation.
     """
     position = as_vectors(position_m, "position_m", ndim=2, finite=True)
     count = len(position)
+    _check_size("position_m", float(np.abs(position).max(initial=0.0)))
     axis, basis, design = _linear_model(rotation_imu_to_world, count)
     solution, *_ = np.linalg.lstsq(design, position.ravel(), rcond=None)
     residual = (position.ravel() - design @ solution).reshape(-1, 3)
@@ -81,6 +87,12 @@ def fit_arc(position_m: ArrayLike, rotation_imu_to_world: ArrayLike) -> ArcFit:
     )
 
 
+def _check_size(name: str, size: float) -> None:
+    """Check that a number can be squared and summed."""
+    if size > LARGEST_SIZE:
+        raise InputError(f"{name}: reaches {size:.4g}, expected {LARGEST_SIZE:g} at most")
+
+
 def _linear_model(
     rotation_imu_to_world: ArrayLike, count: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -90,6 +102,9 @@ def _linear_model(
         raise InputError(
             f"rotation_imu_to_world: expected ({count}, 3, 3) numbers, got {attitude.shape}"
         )
+    # Their determinant is 1; that of larger entries is not computed.
+    if np.abs(attitude).max(initial=0.0) > 2 or not (np.linalg.det(attitude) > 0.5).all():
+        raise InputError("rotation_imu_to_world: expected rotation matrices")
     if count < 3:
         raise InputError(f"position_m: {count} sample(s), expected at least 3")
     turns = Rotation.from_matrix(attitude[0].T @ attitude).as_rotvec()
@@ -143,6 +158,10 @@ def arm_noise(
     interval = as_number(interval_s, "interval_s")
     acc = as_number(acc_noise_mps2_sqrthz, "acc_noise_mps2_sqrthz", zero=True)
     gyr = as_number(gyr_noise_radps_sqrthz, "gyr_noise_radps_sqrthz", zero=True)
+    if not SHORTEST_STEP_S <= interval <= LONGEST_STEP_S:
+        raise InputError(f"interval_s = {interval:g}: steps that no clock has")
+    _check_size("acc_noise_mps2_sqrthz", acc)
+    _check_size("gyr_noise_radps_sqrthz", gyr)
     _, basis, design = _linear_model(rotation_imu_to_world, count)
     # How the arm follows the position: (component of the arm, axis of the world, sample).
     follows = basis @ np.linalg.solve(design.T @ design, design.T)[3:]

@@ -179,7 +179,8 @@ def rotation_world_to_imu(
     if q.shape[-1:] != (4,):
         raise InputError(f"quaternion: expected four components, got shape {q.shape}")
     q4, q1, q2, q3 = np.moveaxis(q, -1, 0)
-    length = np.sqrt(q4**2 + q1**2 + q2**2 + q3**2)
+    with np.errstate(over="ignore"):  # infinitely long is refused
+        length = np.sqrt(q4**2 + q1**2 + q2**2 + q3**2)
     unit = np.abs(length - 1) < 1e-3
     if not unit.all():
         bad = float(length.ravel()[np.argmin(unit)])

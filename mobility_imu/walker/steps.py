@@ -188,7 +188,7 @@ def find_steps(trajectory: Trajectory, settings: GaitSettings | None = None) -> 
     from_, to = np.array([(m.start - 1, m.stop) for m in moves], int).reshape(-1, 2).T
     floor, yaw = trajectory.position_m[:, :2], trajectory.yaw_rad
     way, turn = floor[to] - floor[from_], yaw[to] - yaw[from_]
-    length = np.linalg.norm(way, axis=1)
+    length = np.hypot(*way.T)
     is_step = (length >= settings.least_length_m) | (np.abs(turn) >= settings.least_turn_rad)
     from_, to, way, turn, length = (part[is_step] for part in (from_, to, way, turn, length))
     lift, place = time[from_] + margin_s, time[to] - margin_s

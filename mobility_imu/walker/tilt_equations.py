@@ -37,6 +37,8 @@ __all__ = [
 Form = Literal["corrected", "printed"]
 """The equations as we correct them, or as they are printed."""
 _FORMS: tuple[Form, ...] = ("corrected", "printed")
+LARGE = 1e100
+"""Numbers above it are made smaller before they are squared, where only their ratio counts."""
 
 
 def tilt_displacement(position_m: ArrayLike) -> FloatArray:
@@ -57,7 +59,8 @@ def tilt_displacement(position_m: ArrayLike) -> FloatArray:
     position = as_vectors(position_m, "position_m", ndim=2)
     if len(position) < 2:
         raise InputError(f"position_m: {len(position)} sample(s), expected both ends of a tilt")
-    return np.asarray(position[0] - position[-1])
+    with np.errstate(over="ignore"):  # beyond the largest number is infinity
+        return np.asarray(position[0] - position[-1])
 
 
 def forward_axis(displacement_m: ArrayLike) -> FloatArray:
@@ -72,7 +75,10 @@ def forward_axis(displacement_m: ArrayLike) -> FloatArray:
     (3,) array, horizontal unit vector
     """
     x, y, _ = as_vectors(displacement_m, "displacement_m", ndim=1)
-    length = float(np.hypot(x, y))
+    with np.errstate(over="ignore"):  # what overflows is refused
+        length = float(np.hypot(x, y))
+    if length == np.inf:
+        raise InputError("displacement_m: too large to have a direction")
     if not length > 1e-6:
         raise InputError("displacement_m: no horizontal part, so no forward direction")
     return np.array([x / length, y / length, 0.0])
@@ -169,6 +175,9 @@ def tilt_angle(quaternion: ArrayLike, *, form: Form = "corrected") -> float:
     q = _one_quaternion(quaternion)
     if one_of("form", form, _FORMS) == "printed":
         return float(2 * np.arccos(np.clip(q[0], -1, 1)))
+    size = np.abs(q).max()
+    if LARGE < size < np.inf:  # only the ratio counts
+        q = q / size
     return float(2 * np.arctan2(np.linalg.norm(q[1:]), abs(q[0])))
 
 
@@ -181,7 +190,9 @@ def distance_to_edge(displacement_m: float, angle_rad: float) -> float:
     angle_rad : rad, angle between them
     """
     angle = as_number(angle_rad, "angle_rad")
-    return float(as_number(displacement_m, "displacement_m", zero=True) / (2 * np.sin(angle / 2)))
+    chord = as_number(displacement_m, "displacement_m", zero=True)
+    with np.errstate(over="ignore"):  # beyond the largest number is infinity
+        return float(chord / (2 * np.sin(angle / 2)))
 
 
 def imu_height(distances_m: Mapping[TiltDirection, float], geometry: WalkerGeometry) -> float:
@@ -276,6 +287,9 @@ def arm_angle(velocity_mps: ArrayLike, *, tilt_rad: float = 0.0) -> float:
     tilt_rad : rad, tilt at that moment; 0 for the printed form, which is exact at the very start
     """
     velocity = as_vectors(velocity_mps, "velocity_mps", ndim=1)
+    size = np.abs(velocity).max()
+    if LARGE < size < np.inf:  # only the direction counts
+        velocity = velocity / size
     speed = float(np.linalg.norm(velocity))
     if not speed > 0:
         raise InputError("velocity_mps: zero, so without a direction")

@@ -156,9 +156,18 @@ def frame_alignment_angles(acc_imu_mps2: ArrayLike, *, form: Form = "corrected")
     return _angles_to_z(acc_imu_mps2, "acc_imu_mps2", form)
 
 
+def _of_unit_size(vectors: FloatArray) -> FloatArray:
+    """Vectors over the power of two above their largest component: no square overflows.
+
+    What depends on directions and ratios alone keeps every digit.
+    """
+    largest = np.abs(vectors).max(initial=0.0)
+    return np.asarray(np.ldexp(vectors, -np.frexp(largest)[1])) if largest > 0 else vectors
+
+
 def _angles_to_z(vector: ArrayLike, name: str, form: Form) -> AlignmentAngles:
     one_of("form", form, ("corrected", "printed"))
-    x, y, z = as_vectors(vector, name, ndim=1)
+    x, y, z = _of_unit_size(as_vectors(vector, name, ndim=1))
     if not x * x + y * y + z * z > 0:
         raise InputError(f"{name}: a zero vector has no direction")
     if form == "corrected":
@@ -210,7 +219,7 @@ def axle_direction(gyr_radps: ArrayLike) -> tuple[FloatArray, float]:
     InputError
         If the wheel does not turn, or turns back as far as forward.
     """
-    gyr = as_vectors(gyr_radps, "gyr_radps", ndim=2, finite=True)
+    gyr = _of_unit_size(as_vectors(gyr_radps, "gyr_radps", ndim=2, finite=True))
     squares, directions = np.linalg.eigh(gyr.T @ gyr)
     turned = (gyr @ directions[:, -1]).sum()
     if not squares[2] > 0 or turned == 0:

@@ -140,6 +140,7 @@ class WheelchairMount(Result):
             )
         return matrix
 
+    @np.errstate(over="ignore", invalid="ignore")  # beyond the largest number is infinity
     def wheel(self, side: Side, vectors_imu: ArrayLike) -> FloatArray:
         """Vectors that one wheel's IMU measured, in that wheel's frame.
 
@@ -154,6 +155,7 @@ class WheelchairMount(Result):
         """
         return as_vectors(vectors_imu, "vectors_imu") @ self.rotation_imu_to_wheel(side).T
 
+    @np.errstate(over="ignore", invalid="ignore")  # beyond the largest number is infinity
     def frame(self, vectors_imu: ArrayLike) -> FloatArray:
         """Vectors that the frame's IMU measured, in the chair frame.
 

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import check_columns, check_limits, expect, settings_or_default
-from mobility_imu.frames import FloatArray, as_clock, as_number, as_series, check_positive
+from mobility_imu.frames import FloatArray, as_clock, as_number, check_positive
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of
 from mobility_imu.wheelchair.codes import Task, as_codes
+from mobility_imu.wheelchair.series import as_motion
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,10 +45,10 @@ def turn_direction(codes: ArrayLike, yaw_rate_radps: ArrayLike) -> NDArray[np.st
     Raises
     ------
     InputError
-        If a code is no task, or the two series differ in length.
+        If a code is no task, the two series differ in length, or a rate is beyond what can be.
     """
     codes = as_codes(codes)
-    yaw = as_series(yaw_rate_radps, "yaw_rate_radps", length=len(codes))
+    yaw = as_motion(yaw_rate_radps, "yaw_rate_radps", length=len(codes))
     starts = changes_of(codes)
     if not len(starts):
         return np.zeros(0, "<U5")
@@ -80,16 +81,16 @@ def task_events(
     Raises
     ------
     InputError
-        If there are fewer than two frames, the times are not even, a code is no task, or the
-        series differ in length.
+        If there are fewer than two frames, the times are not even, a code is no task, the series
+        differ in length, or a number is beyond what can be.
     """
     import pandas as pd
     from scipy import integrate
 
     clock = as_clock(time_s, even=True)
     codes = as_codes(codes, length=len(clock))
-    velocity = as_series(linear_velocity_mps, "linear_velocity_mps", length=len(clock))
-    yaw = as_series(yaw_rate_radps, "yaw_rate_radps", length=len(clock))
+    velocity = as_motion(linear_velocity_mps, "linear_velocity_mps", length=len(clock))
+    yaw = as_motion(yaw_rate_radps, "yaw_rate_radps", length=len(clock))
     step = (clock[-1] - clock[0]) / (len(clock) - 1)
     starts = changes_of(codes)
     stops = np.r_[starts[1:], len(codes)]
@@ -243,14 +244,14 @@ def detect_pushes(
     Raises
     ------
     InputError
-        If there are fewer than two samples, the times are not even, or the series differ in
-        length.
+        If there are fewer than two samples, the times are not even, the series differ in length,
+        or a speed is beyond what can be.
     """
     from scipy import ndimage, signal
 
     settings = settings_or_default("settings", settings, PushSettings)
     clock = as_clock(time_s, even=True)
-    velocity = as_series(linear_velocity_mps, "linear_velocity_mps", length=len(clock))
+    velocity = as_motion(linear_velocity_mps, "linear_velocity_mps", length=len(clock))
     if len(clock) < 3:
         return Pushes(np.empty(0), np.empty(0), np.empty(0), settings)
     fs = (len(clock) - 1) / (clock[-1] - clock[0])

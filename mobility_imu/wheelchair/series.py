@@ -8,7 +8,10 @@ from numpy.typing import ArrayLike
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_series
 
-__all__ = ["alike"]
+__all__ = ["alike", "as_motion"]
+
+LARGEST_MOTION = 1e6
+"""Largest speed, m/s, and rate, rad/s; sums over it do not overflow, and nothing moves so fast."""
 
 
 def alike(**named: ArrayLike) -> list[FloatArray]:
@@ -32,6 +35,36 @@ def alike(**named: ArrayLike) -> list[FloatArray]:
         sizes = ", ".join(f"{name} {a.shape}" for name, a in zip(named, arrays, strict=True))
         raise InputError(f"{sizes}: expected series of one length")
     return arrays
+
+
+def as_motion(values: ArrayLike, name: str, *, length: int | None = None) -> FloatArray:
+    """Check that an array is a finite series of speeds or rates that something can have.
+
+    Parameters
+    ----------
+    values : (n,) array, m/s or rad/s
+    name : what to call it in the error message
+    length : the number of samples expected, if it is known
+
+    Returns
+    -------
+    (n,) float array
+
+    Raises
+    ------
+    InputError
+        If it has another shape or length, holds NaN or infinity, or a value is beyond
+        ``LARGEST_MOTION``.
+    """
+    series = as_series(values, name, length=length)
+    largest = max(float(series.max()), -float(series.min())) if len(series) else 0.0
+    if largest > LARGEST_MOTION:
+        first = int(np.argmax(np.abs(series) > LARGEST_MOTION))
+        raise InputError(
+            f"{name}: sample {first} is {series[first]:.4g}, more than anything moves "
+            f"({LARGEST_MOTION:g}): correct or remove it"
+        )
+    return series
 
 
 def _as_array(values: ArrayLike, name: str) -> FloatArray:

@@ -44,6 +44,10 @@ SlipMethod = Literal["wheels", "tool"]
 # A wheel that rolls departs from the integrated acceleration by what a frame that rocks by 1
 # degree makes of it in half a second: 9.8 sin(1 deg) 0.5 s.
 ROLLING_WITHIN_MPS = 0.09
+MOST_SAMPLES = 10**9
+"""Samples that a recording may have at most: a day at 10 kHz."""
+SLOWEST_CORNER = 1e-7
+"""Corner over sampling rate below which a low-pass of doubles has lost its digits."""
 
 
 class Source(IntEnum):
@@ -211,12 +215,22 @@ class SlipWindows(Result):
         Returns
         -------
         (count,) bool array
+
+        Raises
+        ------
+        InputError
+            If the last window ends after the recording, or no recording is so long.
         """
         self.within(as_count(count, "count", least=0))
-        edge = np.zeros(count + 1, int)
-        np.add.at(edge, self.first, 1)
-        np.add.at(edge, self.last + 1, -1)
-        return np.cumsum(edge[:-1]) > 0
+        if count > MOST_SAMPLES:
+            raise InputError(
+                f"count = {count}: expected the samples of the recording, at most {MOST_SAMPLES} "
+                "(a day at 10 kHz)"
+            )
+        flags = np.zeros(count, np.bool_)
+        for first, last in zip(self.first, self.last, strict=True):
+            flags[first : last + 1] = True
+        return flags
 
 
 def at_odds(
@@ -318,7 +332,7 @@ def correct_slip(
     ------
     InputError
         If the method is neither, or "wheels" has no wheel speeds; "tool": if the sampling rate is
-        too low for the low-pass.
+        too low or too high for the low-pass.
     """
     expect("windows", windows, SlipWindows)
     settings = windows.settings if settings is None else settings
@@ -344,6 +358,11 @@ def correct_slip(
         raise InputError(
             f"low_pass_hz = {settings.low_pass_hz:g}: expected less than half the sampling rate of "
             f"{sampling_rate_hz:g} Hz; record faster, or lower it in SlipSettings"
+        )
+    if settings.low_pass_hz < SLOWEST_CORNER * sampling_rate_hz:
+        raise InputError(
+            f"low_pass_hz = {settings.low_pass_hz:g}: expected at least {SLOWEST_CORNER:g} of the "
+            f"sampling rate of {sampling_rate_hz:g} Hz; raise it in SlipSettings"
         )
     if not long.any():
         return velocity

@@ -16,11 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import check_columns, expect, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_clock, as_count, as_number, as_series, one_of
+from mobility_imu.frames import FloatArray, as_clock, as_count, as_number, one_of
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of, runs_of
 from mobility_imu.wheelchair.codes import Codes, Task, as_codes
-from mobility_imu.wheelchair.series import alike
+from mobility_imu.wheelchair.series import alike, as_motion
 from mobility_imu.wheelchair.settings import TaskSettings
 
 if TYPE_CHECKING:
@@ -250,8 +250,8 @@ def identify_tasks(
     Raises
     ------
     InputError
-        If the times are not even, the series differ in length, hold NaN, or are shorter than one
-        segment.
+        If the times are not even, the series differ in length, hold NaN or what nothing moves at,
+        or are shorter than one segment.
     """
     missing = [
         name
@@ -272,8 +272,8 @@ def identify_tasks(
     return Tasks(
         time_s=time_s,
         codes=steps.reduced,
-        linear_velocity_mps=as_series(drive.linear_velocity_mps, "linear_velocity_mps"),
-        yaw_rate_radps=as_series(drive.yaw_rate_radps, "yaw_rate_radps"),
+        linear_velocity_mps=as_motion(drive.linear_velocity_mps, "linear_velocity_mps"),
+        yaw_rate_radps=as_motion(drive.yaw_rate_radps, "yaw_rate_radps"),
         settings=steps.settings,
         edge=edge,
         warnings=steps.warnings,
@@ -306,7 +306,8 @@ def task_codes(
     Raises
     ------
     InputError
-        If the series differ in length, hold NaN, or are shorter than one segment.
+        If the series differ in length, hold NaN or what nothing moves at, or are shorter than one
+        segment.
 
     Examples
     --------
@@ -347,8 +348,8 @@ def task_steps(
     settings = settings_or_default("settings", settings, TaskSettings)
     one_of("edge", edge, ("covering", "tool"))
     fs = as_number(sampling_rate_hz, "sampling_rate_hz")
-    velocity = as_series(linear_velocity_mps, "linear_velocity_mps")
-    yaw_rate = as_series(yaw_rate_radps, "yaw_rate_radps", length=len(velocity))
+    velocity = as_motion(linear_velocity_mps, "linear_velocity_mps")
+    yaw_rate = as_motion(yaw_rate_radps, "yaw_rate_radps", length=len(velocity))
     segment, look = settings.frames(fs)
     if len(velocity) < segment:
         raise InputError(

@@ -52,6 +52,7 @@ def test_the_record_of_hinges_is_of_this_code(name):
     assert not recorded.is_stale(name)
 
 
+@pytest.mark.slow  # part by part in scooter/test_scooter_real.py
 @pytest.mark.parametrize("name", HINGES)
 def test_hinges_give_the_recorded_numbers_again(name):
     if find_folder(REAL_SETS[name].dataset) is None:

@@ -23,7 +23,6 @@ from mobility_imu.simulation.scooter import (
     COURSES,
     NO_SHAKING,
     SMOOTH_GROUND,
-    Layout,
     draw_driver,
     draw_scooter,
     simulate_ride,
@@ -100,74 +99,7 @@ def test_white_noise_alone_would_state_far_too_little(rides):
     assert np.median(stated) < 0.3 * np.median(errors)
 
 
-# The filter itself: against the same filter with states and constants in one vector.
-
-
-def small_problem(samples=80, seed=3):
-    """Arguments of the loops for the first samples of a ride, without Huber's weight."""
-    ride = with_errors(seed, layout=Layout())
-    rows = [np.ascontiguousarray(v[400 : 400 + samples]) for v in readings(ride)]
-    spins = [np.gradient(rate, 0.01, axis=0) for rate in (rows[1], rows[3])]
-    inputs = loops.Inputs(*rows, *spins)
-    known = dict.fromkeys(FROM_THE_RECORDING, 0.02)
-    settings = replace(FusionSettings(**known), huber=1e6)
-    start = fusion._start(inputs, settings, SUZUKI_ET4D, 100.0)
-    return inputs, start, fusion._model(settings, SUZUKI_ET4D, 100.0)
-
-
-def dense(inputs, start, model):
-    """Filter and smoother with one covariance of all 52, from the same slopes."""
-    n, states = len(inputs.lever_acc), loops.STATES
-    x, c = start.state, start.constants
-    p = np.zeros((states + loops.CONSTANTS,) * 2)
-    p[:states, :states], p[states:, states:] = start.covariance, start.constants_covariance
-    predict, measurement = loops.plain(loops.predict), loops.plain(loops._measurement)
-    after, before, steps = [], [], []
-    slow = start.slow.copy()
-    for k in range(n):
-        f = np.eye(len(p))
-        if k:
-            at = loops.Estimate(
-                x, np.zeros((states, states)), np.zeros((states, loops.CONSTANTS)), c, p, slow
-            )
-            rates = ((v[k] + v[k - 1]) / 2 for v in (inputs.lever_gyr, inputs.body_gyr))
-            x, noise, by_constants, transition = predict(*rates, at, model)
-            f[:states, :states], f[:states, states:] = transition, by_constants
-            p = f @ p @ f.T
-            p[:states, :states] += noise
-        steps.append(f)
-        before.append((np.r_[x, c], p))
-        slow += model.dt / loops.SLOPE_SMOOTHING_S * (inputs.body_acc[k] - slow)
-        residual, h, by_c = measurement(inputs, k, x, c, slow, model)
-        slopes = np.hstack((h, by_c))
-        gain = np.linalg.solve(slopes @ p @ slopes.T + model.noise * np.eye(3), slopes @ p).T
-        whole = np.r_[x, c] + gain @ residual
-        x, c, p = whole[:states], whole[states:], p - gain @ slopes @ p
-        after.append((whole, p))
-    whole, p = after[-1]
-    smoothed = [(whole, p)]
-    for k in range(n - 2, -1, -1):
-        gain = np.linalg.solve(before[k + 1][1], steps[k + 1] @ after[k][1]).T
-        whole = after[k][0] + gain @ (whole - before[k + 1][0])
-        p = after[k][1] + gain @ (p - before[k + 1][1]) @ gain.T
-        smoothed.append((whole, p))
-    return after, smoothed[::-1]
-
-
-def test_separated_filter_and_smoother_are_the_dense_ones():
-    inputs, start, model = small_problem()
-    n = len(inputs.lever_acc)
-    filtered, smoothed = dense(inputs, start, model)
-    chunk, after = loops.run_filter(inputs, 0, n, start, model, False)
-    assert np.allclose(chunk.states, [w[: loops.STATES] for w, _ in filtered], atol=1e-8)
-    sd = np.sqrt([np.diag(p)[:2] for _, p in filtered])
-    assert np.allclose(chunk.sd, sd, rtol=1e-6)
-    assert np.allclose(after.constants, filtered[-1][0][loops.STATES :], atol=1e-8)
-    chunk, after = loops.run_filter(inputs, 0, n, start, model, True)
-    states, spread, *_ = loops.run_smoother(chunk, *after[:5])
-    assert np.allclose(states, [w[: loops.STATES] for w, _ in smoothed], atol=1e-6)
-    sd = np.sqrt([np.diag(p)[:2] for _, p in smoothed])
-    assert np.allclose(spread, sd, rtol=1e-4)
+# The filter itself: what it learns. Against the filter of one vector: test_scooter_fusion_filter.
 
 
 def learnt(with_arms):

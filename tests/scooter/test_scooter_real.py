@@ -1,14 +1,24 @@
 """Fusion on hinges in the hand, against motion capture and an encoder; skipped without the data."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from mobility_imu.datasets.folders import find_folder
-from mobility_imu.readers import read_recording
-from mobility_imu.reproduction.scooter.real_hinges import ONE_HINGE, errors_by_angle, read_chain
+from mobility_imu.reproduction import recorded
+from mobility_imu.reproduction.differences import differing
+from mobility_imu.reproduction.scooter import real_hinges_record as study
+from mobility_imu.reproduction.scooter.real_hinges import (
+    METHODS,
+    ONE_HINGE,
+    TWO_HINGES,
+    Chain,
+    ChainRecording,
+    errors_by_angle,
+    errors_of,
+    read_chain,
+)
 from mobility_imu.reproduction.scooter.real_hinges_page import WITHOUT_FIRST_SAMPLE_DEG
-from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount, estimate_ride
+from mobility_imu.scooter import RideSettings
 
 # Largest rms of steering and throttle, deg. Two hinges: what qmt 0.2.4 gives on the same file with
 # its heading correction for two axes, and a tenth, or less; but on foam its steering is better than
@@ -20,6 +30,7 @@ LIMITS = {
     ("one-hinge", "pitch_slow"): (3.5, 2.0),
     ("one-hinge", "pitch_medium"): (4.0, 3.5),
 }
+CHAINS = {chain.dataset: chain for chain in (TWO_HINGES, ONE_HINGE)}
 FOLDERS = {name: find_folder(name) for name in ("two-hinges", "one-hinge")}
 pytestmark = pytest.mark.skipif(not all(FOLDERS.values()), reason="recordings of hinges not here")
 
@@ -29,20 +40,12 @@ def rides():
     """Estimate, and error and sd of both angles in deg where the truth is known, per recording."""
     found = {}
     for name, recording in LIMITS:
-        folder = FOLDERS[name]
-        own = folder / f"{recording}_geometry.toml"
-        toml = own if own.exists() else folder / "geometry.toml"
-        ride = estimate_ride(
-            read_recording(folder / f"{recording}.csv.gz"),
-            ScooterGeometry.from_toml(toml),
-            ScooterMount.in_toml(toml),
-            RideSettings(method="fusion"),
-        )
-        truth = pd.read_csv(folder / f"{recording}_truth.csv.gz")
+        chain = read_chain(FOLDERS[name], recording, CHAINS[name].recordings[recording])
+        ride = chain.estimate(RideSettings(method="fusion"))
         table = ride.to_frame()
         pairs = []
-        for angle in ("steering", "throttle"):
-            error = table[f"{angle}_deg"] - np.rad2deg(truth[f"{angle}_rad"])
+        for k, angle in enumerate(("steering", "throttle")):
+            error = table[f"{angle}_deg"] - np.rad2deg(chain.true_rad[:, k])
             error = (error + 180) % 360 - 180
             known = error.notna()
             pairs.append((error[known].to_numpy(), table[f"{angle}_sd_deg"][known].to_numpy()))
@@ -109,3 +112,53 @@ def test_one_sample_decides_over_a_constant():
     assert (steering["rms_deg"], steering["sd_deg"]) == pytest.approx(
         WITHOUT_FIRST_SAMPLE_DEG, abs=0.02
     )
+
+
+def of_this_code(data_set):
+    """Record of a set, if it is of this code; whether it is another test says."""
+    name = f"real_{data_set.replace('-', '_')}"
+    if recorded.is_stale(name):
+        pytest.skip("the record is of other code")
+    return recorded.numbers(name)
+
+
+@pytest.mark.parametrize("name", LIMITS, ids="/".join)
+def test_a_recording_gives_the_recorded_numbers_again(rides, name, monkeypatch):
+    """Errors by both methods, and all that a chapter shows of it but other settings.
+
+    The whole study is computed again by a slow test.
+    """
+    data_set, recording = name
+    record, usual = of_this_code(data_set), ChainRecording.estimate
+    part = Chain(data_set, {recording: CHAINS[data_set].recordings[recording]})
+
+    def estimate(one, settings):
+        same = settings == RideSettings(method="fusion")
+        return rides[name][0] if same else usual(one, settings)
+
+    monkeypatch.setattr(ChainRecording, "estimate", estimate)
+    one = read_chain(FOLDERS[data_set], recording, part.recordings[recording])
+    for method in METHODS:
+        (row,) = (
+            row
+            for row in record["rows"]
+            if row["recording"] == recording and row["method"] == method
+        )
+        found = errors_of(one, method)
+        assert not list(differing(found, {key: row[key] for key in found}))
+    monkeypatch.setattr(study, "settings_variants", lambda one: [])
+    if data_set == "one-hinge":
+        monkeypatch.setattr(study, "ONE_HINGE", part)
+    details = study.chain_details(part, FOLDERS[data_set])
+    assert details.pop("variants") == {recording: []}
+    assert not list(differing(details, {k: {recording: record[k][recording]} for k in details}))
+    assert ("fit" in details) == (data_set == "one-hinge")
+
+
+def test_another_setting_gives_the_recorded_numbers_again(monkeypatch):
+    record = of_this_code("two-hinges")["variants"]["trial1_rigid"]
+    one = read_chain(FOLDERS["two-hinges"], "trial1_rigid", "geometry.toml")
+    monkeypatch.setattr(study, "SWEPT", ("misalignment_sd_rad",))
+    names = [row["variant"] for row in record]
+    for row in study.settings_variants(one):
+        assert not list(differing(row, record[names.index(row["variant"])]))

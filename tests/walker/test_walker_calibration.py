@@ -48,10 +48,14 @@ def test_perfect_recordings_give_the_mount_back(pose, method):
     )
 
 
-def monte_carlo(sensor, methods):
-    """Root mean squares of the errors of each method over 20 seeds x 5 poses: m, deg."""
+# Of 40 draws a root mean square is known to a tenth, of 100 to 7 %.
+draws = pytest.mark.parametrize("seeds", [8, pytest.param(20, marks=pytest.mark.slow)])
+
+
+def monte_carlo(seeds, sensor, methods):
+    """Root mean squares of the errors of each method over seeds x 5 poses: m, deg."""
     squares = []
-    for seed in range(20):
+    for seed in range(seeds):
         for pose in POSES:
             path, _ = navigate_recording(tilt_recording(seed, pose, sensor))
             off = [errors(calibrate_from_path(path, FRAME, method=m), pose) for m in methods]
@@ -59,13 +63,15 @@ def monte_carlo(sensor, methods):
     return np.sqrt(np.mean(squares, axis=0))
 
 
-def test_calibration_is_as_good_as_asked_with_noise_alone():
-    (place, turn), (by_two_tilts, _) = monte_carlo(DATASHEET, ("all-samples", "two-tilts"))
+@draws
+def test_calibration_is_as_good_as_asked_with_noise_alone(seeds):
+    (place, turn), (by_two_tilts, _) = monte_carlo(seeds, DATASHEET, ("all-samples", "two-tilts"))
     assert place <= 0.005 and turn <= 0.1 and by_two_tilts <= 0.008, (place, turn, by_two_tilts)
 
 
-def test_calibration_is_as_good_as_asked_with_all_that_a_sensor_does():
-    ((place, turn),) = monte_carlo(MTI_1, ("all-samples",))
+@draws
+def test_calibration_is_as_good_as_asked_with_all_that_a_sensor_does(seeds):
+    ((place, turn),) = monte_carlo(seeds, MTI_1, ("all-samples",))
     assert place <= 0.020 and turn <= 0.4, (place, turn)
 
 

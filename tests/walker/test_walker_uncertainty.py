@@ -50,21 +50,22 @@ def chance(count, probability=0.999):
 # The mount.
 
 
-def test_errors_of_the_mount_over_their_standard_deviations():
-    """20 calibrations with 20 units of the sensor, 4 in each pose; 99.9 % of 20 and of 60 numbers.
+@pytest.mark.parametrize("units", [15, pytest.param(20, marks=pytest.mark.slow)])
+def test_errors_of_the_mount_over_their_standard_deviations(units):
+    """As many calibrations as units of the sensor; 99.9 % of each number and of three together.
 
     All that the sensor does is in the standard deviations of calibrate_mount, each part once.
     """
     ratios = []
-    for seed in range(6000, 6020):
+    for seed in range(6000, 6000 + units):
         true = pose_mount(POSES[seed % 5])
         run = attach_imu(simulate_tilts(FRAME, seed=seed), true, MTI_1, seed=seed, unit_seed=seed)
         found = calibrate_mount(run.recording, FRAME)
         ratios.append(mount_ratios(found, true))
-    low, high = chance(20)
+    low, high = chance(units)
     found = rms(ratios)
     assert (found > low).all() and (found < high).all(), found
-    low, high = chance(60)
+    low, high = chance(3 * units)
     for part in (found[:3], found[3:]):
         assert low < rms(part) < high, found
 
@@ -75,17 +76,19 @@ NOISE_ONLY = without(
 )  # fmt: skip
 
 
-def test_the_place_by_a_path_of_white_noise_over_its_standard_deviation():
-    """60 calibrations by calibrate_from_path, with the sensor's white noise alone.
+@pytest.mark.parametrize("count", [40, pytest.param(60, marks=pytest.mark.slow)])
+def test_the_place_by_a_path_of_white_noise_over_its_standard_deviation(count):
+    """Calibrations by calibrate_from_path, with the sensor's white noise alone.
 
     1.25 is allowed beyond chance, for what the model leaves out: sampling, rounding and the
     attitude of the arcs, 0.2 mm of 0.6.
     """
     ratios = [
-        mount_ratios(*by_path(seed, NOISE_ONLY, NavigationSettings())) for seed in range(6100, 6160)
+        mount_ratios(*by_path(seed, NOISE_ONLY, NavigationSettings()))
+        for seed in range(6100, 6100 + count)
     ]
     found = rms(ratios)[:3]
-    low, high = chance(60)
+    low, high = chance(count)
     assert (found > low).all() and (found < 1.25 * high).all(), found
 
 
@@ -266,21 +269,22 @@ def walked_with(seed, course=RECTANGLE):
     return attach_imu(motion, mount, MTI_1, seed=seed, unit_seed=seed), mount
 
 
-def test_end_and_heading_of_a_walk_over_their_standard_deviations():
-    """30 rounds of 17.5 m with 30 units of the sensor; 99.9 % of 30 numbers: 0.62 to 1.44.
+@pytest.mark.parametrize("rounds", [20, pytest.param(30, marks=pytest.mark.slow)])
+def test_end_and_heading_of_a_walk_over_their_standard_deviations(rounds):
+    """Rounds of 17.5 m, each with its unit of the sensor; 99.9 % of 30 numbers: 0.62 to 1.44.
 
-    The end errs in two directions, mostly in one of them: 30 numbers at least. The heading's sd is
-    too large by a tenth or two, since the sensor's noise is taken three times in the filter.
+    The end errs in two directions, mostly in one of them: as many numbers at least. The heading's
+    sd is too large by a tenth or two, since the sensor's noise is taken three times in the filter.
     """
     place, heading = [], []
-    for seed in range(5000, 5030):
+    for seed in range(5000, 5000 + rounds):
         run, mount = walked_with(seed)
         found = estimate_trajectory(run.recording, FRAME, mount)
         first = run.position_body_m[-len(found)]
         off = found.position_m[-1] - (run.position_body_m[-1] - first)
         place.append(np.linalg.norm(off[:2]) / found.horizontal_sd_m[-1])
         heading.append(yaw_error(run, found) / found.yaw_sd_rad[-1])
-    low, high = chance(30)
+    low, high = chance(rounds)
     assert low < rms(place) < high, rms(place)
     assert low / 1.1 < rms(heading) < high / 1.1, rms(heading)
 
@@ -317,7 +321,7 @@ def yaw_error(run, found):
 
 
 def test_errors_of_the_mount_reach_the_path_as_stated():
-    """A path of two legs at right angles, placed with 500 wrong mounts; 99.9 % of 500 numbers."""
+    """A path of two legs at right angles, placed with 200 wrong mounts; 99.9 % of 200 numbers."""
     mount = replace(
         pose_mount("2"), translation_sd_m=[0.02, 0.03, 0.01], rotation_sd_rad=[0.0, 0.0, 0.01]
     )
@@ -334,7 +338,7 @@ def test_errors_of_the_mount_reach_the_path_as_stated():
         extra = trajectory_from_path(path, stated).horizontal_sd_m[-1] ** 2
         extra -= sure.horizontal_sd_m[-1] ** 2
         off = []
-        for _ in range(500):
+        for _ in range(200):
             turn = Rotation.from_rotvec([0, 0, heading_sd * rng.standard_normal()]).as_matrix()
             wrong = replace(
                 known,
@@ -343,7 +347,7 @@ def test_errors_of_the_mount_reach_the_path_as_stated():
             )
             end = trajectory_from_path(path, wrong).position_m[-1]
             off.append(np.linalg.norm((end - right.position_m[-1])[:2]) / np.sqrt(extra))
-        low, high = chance(500)
+        low, high = chance(200)
         assert low < rms(off) < high, rms(off)
 
 

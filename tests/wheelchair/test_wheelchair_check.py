@@ -42,10 +42,14 @@ def chance(count, probability=0.999):
     return np.sqrt(stats.chi2.ppf([tail, 1 - tail], count) / count)
 
 
-def test_errors_of_the_check_over_their_standard_deviations():
-    """60 chairs, courts and sets of sensors, without slip; 99.9 % of 60 numbers: 0.72 to 1.31."""
+@pytest.mark.parametrize("chairs", [30, pytest.param(60, marks=pytest.mark.slow)])
+def test_errors_of_the_check_over_their_standard_deviations(chairs):
+    """Chairs, courts and sets of sensors, without slip; 99.9 % of 30 numbers: 0.62 to 1.44.
+
+    Of 60 numbers: 0.72 to 1.31. A standard deviation that is wrong by a factor of two fails both.
+    """
     ratios, warnings = [], []
-    for seed in range(7000, 7060):
+    for seed in range(7000, 7000 + chairs):
         court = random_court(seed, slips=0)
         static, straight = court.calibration_trials(MTI_1)
         mount = calibrate_mount(static.recording, straight.recording).mount
@@ -58,19 +62,23 @@ def test_errors_of_the_check_over_their_standard_deviations():
             ]
         )
         warnings += [] if found.fits else found.warnings
-    low, high = chance(60)
+    low, high = chance(chairs)
     assert (rms(ratios) > low).all() and (rms(ratios) < high).all(), rms(ratios)
     # Beyond three standard deviations lies 1 in 370.
-    assert len(warnings) <= 2, warnings
+    assert len(warnings) <= chairs // 30, warnings
 
 
-def test_sensors_as_real_ones_are_do_not_make_a_right_geometry_wrong():
-    """40 chairs with scale factors off by 1 %: nine in ten fit, and stated intervals cover.
+@pytest.mark.parametrize(
+    ("chairs", "few"), [(20, 16), pytest.param(40, 33, marks=pytest.mark.slow)]
+)
+def test_sensors_as_real_ones_are_do_not_make_a_right_geometry_wrong(chairs, few):
+    """Chairs with scale factors off by 1 %: nine in ten fit, and stated intervals cover.
 
-    Of normal errors 95 % lie inside; 40 of them give 33 or fewer once in a hundred times.
+    Of normal errors 95 % lie inside; 40 of them give 33 or fewer once in a hundred times, 20 give
+    16 or fewer 1.6 times.
     """
     fits, inside = [], []
-    for seed in range(7100, 7140):
+    for seed in range(7100, 7100 + chairs):
         court = random_court(seed, slips=0)
         static, straight = court.calibration_trials(REAL)
         cal = calibrate_mount(static.recording, straight.recording)
@@ -80,8 +88,8 @@ def test_sensors_as_real_ones_are_do_not_make_a_right_geometry_wrong():
         if found.judged:
             fits.append(found.fits)
             inside.append(abs(found.track_m - court.geometry.track_m) < 1.96 * found.track_sd_m)
-    assert len(fits) >= 36 and np.mean(fits) >= 0.9
-    assert np.mean(inside) > 33 / 40
+    assert len(fits) >= 0.9 * chairs and np.mean(fits) >= 0.9
+    assert np.mean(inside) > few / chairs
 
 
 def test_the_defaults_are_those_of_the_data_sheet():

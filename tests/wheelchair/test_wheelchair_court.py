@@ -382,14 +382,17 @@ def test_report_counts_windows_samples_and_changes():
     assert empty.share == empty.largest_change == 0 and empty.to_frame().empty
 
 
-@pytest.fixture(scope="module")
-def one_wheel():
-    found = random_court_errors(range(50), both_wheels_share=0.0)
+COURTS = [25, pytest.param(50, marks=pytest.mark.slow)]
+
+
+@pytest.fixture(scope="module", params=COURTS)
+def one_wheel(request):
+    found = random_court_errors(range(request.param), both_wheels_share=0.0)
     flags = [(court.flagged_that_slip, court.slipping_that_are_flagged) for court in found]
     return np.array([court.rms_mps for court in found]), np.array(flags)
 
 
-def test_corrected_speed_is_the_best_on_every_one_of_fifty_courts(one_wheel):
+def test_corrected_speed_is_the_best_on_every_court(one_wheel):
     uncorrected, tool, ours, printed, printed_tool = one_wheel[0].T
     for other in (uncorrected, tool, printed, printed_tool):
         assert (ours < other).all()
@@ -403,15 +406,16 @@ def test_flags_are_slip_and_most_slip_is_flagged(one_wheel):
     assert 0.75 < found_share.mean() < 0.95  # the ends of an episode lie below the threshold
 
 
-def test_corrected_speed_is_better_also_where_both_wheels_slip_alike():
-    rms = np.array([c.rms_mps for c in random_court_errors(range(50), both_wheels_share=0.15)])
+@pytest.mark.parametrize("courts", COURTS)
+def test_corrected_speed_is_better_also_where_both_wheels_slip_alike(courts):
+    rms = np.array([c.rms_mps for c in random_court_errors(range(courts), both_wheels_share=0.15)])
     uncorrected, tool, ours, printed, printed_tool = rms.T
     for other in (uncorrected, tool, printed):
         assert (ours < other).all()
     # The printed term calls every turn slip and integrates there: by accident it also mends slip
     # of both wheels in a turn, which no yaw rate shows.
     assert ours.mean() < printed_tool.mean()
-    assert (ours < printed_tool).sum() >= 35
+    assert (ours < printed_tool).mean() >= 0.7
 
 
 def test_on_a_changing_slope_integration_fails_and_the_rolling_wheel_does_not():

@@ -8,6 +8,8 @@ from chairs import trials
 from mobility_imu.errors import InputError
 from mobility_imu.wheelchair import (
     SAMPLE_CHAIR,
+    SlipSettings,
+    SlipWindows,
     WheelchairGeometry,
     WheelchairMount,
     calibrate_mount,
@@ -93,6 +95,7 @@ CALLS = {
         ),
         [ONES, ONES, SAMPLE_CHAIR, 0.01, 0.001],
     ),
+    "windows.flags": (WINDOWS.flags, [COUNT]),
     "wheel_alignment_angles": (wheel_alignment_angles, [[1, 2, 3]]),
     "wheel_speeds": (wheel_speeds, [ONES, ONES, ONES, SAMPLE_CHAIR]),
     "wheel_spin_rate": (
@@ -129,6 +132,12 @@ STRANGE = {
     "one infinity": np.inf,
     "one NaN": np.nan,
     "largest": 1e308,
+    "large vector": [1e300, -1e300, 1e300],
+    "largest series": np.full(COUNT, 1.7e308),
+    "largest up and down": 1.7e308 * (-1.0) ** np.arange(COUNT),
+    "largest vectors": np.full((COUNT, 3), 1.7e308),
+    "whole and large": 10**12,
+    "whole and larger": 2**70,
     "mapping": {},
     "object": object(),
     "indexed series": pd.Series(ONES, index=range(5, 5 + COUNT)),
@@ -151,3 +160,54 @@ def test_strange_inputs_are_answered_or_refused(name):
                 function(*good[:place], strange, *good[place + 1 :])
             except InputError as error:
                 assert str(error)
+
+
+def test_flags_are_refused_for_what_is_no_recording():
+    """A count that no memory holds is not tried; one that is allowed gives the windows."""
+    windows = SlipWindows([2, 7], [3, 7])
+    assert np.flatnonzero(windows.flags(9)).tolist() == [2, 3, 7]
+    for count in (10**9 + 1, 10**12, 2**70):
+        with pytest.raises(InputError, match=rf"count = {count}: expected .* at most 1000000000"):
+            windows.flags(count)
+    with pytest.raises(InputError, match="ends at sample 7, but there are 7"):
+        windows.flags(7)
+
+
+def test_motion_that_cannot_be_is_named():
+    fast = np.ones(COUNT)
+    fast[7] = -2e6
+    for call in (
+        lambda: task_codes(fast, ONES, 100),
+        lambda: task_events(TIME_S, CODES, fast, ONES),
+        lambda: detect_pushes(TIME_S, fast),
+    ):
+        with pytest.raises(
+            InputError, match=r"linear_velocity_mps: sample 7 is -2e\+06, more than"
+        ):
+            call()
+    with pytest.raises(InputError, match="yaw_rate_radps: sample 7"):
+        turn_direction(CODES, fast)
+
+
+@pytest.mark.parametrize("factor", [1e-200, 1e-100, 1e100, 1e307])
+def test_directions_do_not_depend_on_the_size(factor):
+    """Squares of such numbers vanish or overflow; the directions are those of the usual size."""
+    vector = np.array([1.0, -2.0, 3.0])
+    for angles in (wheel_alignment_angles, frame_alignment_angles):
+        for form in ("corrected", "printed"):
+            found, usual = (angles(v, form=form) for v in (factor * vector, vector))
+            assert found == pytest.approx(usual, rel=1e-12)
+    turned = np.outer(np.sin(np.arange(COUNT) / 9) + 0.5, vector) + 0.01
+    (direction, share), (usual, usual_share) = map(axle_direction, (factor * turned, turned))
+    assert direction == pytest.approx(usual, rel=1e-12)
+    assert share == pytest.approx(usual_share, rel=1e-6)
+
+
+def test_a_low_pass_that_no_number_can_hold_is_refused():
+    windows = SlipWindows([5], [30])
+    for low_pass_hz in (1e-300, 1e-6):
+        settings = SlipSettings(low_pass_hz=low_pass_hz)
+        with pytest.raises(InputError, match=f"low_pass_hz = {low_pass_hz:g}: expected at least"):
+            correct_slip(ONES, ONES, windows, 100, settings, method="tool")
+    settings = SlipSettings(low_pass_hz=1e-4)
+    assert np.isfinite(correct_slip(ONES, ONES, windows, 100, settings, method="tool")).all()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -195,6 +195,7 @@ def _our_printed_form(equations: str, angles: Callable[..., AlignmentAngles]) ->
     )
 
 
+@cache
 def _outward_share(facing: Facing) -> float:
     """Fraction of 2 x 1000 tilted wheel sensors whose printed axle is the outward one."""
     right = []
