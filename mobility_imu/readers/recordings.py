@@ -14,7 +14,7 @@ from mobility_imu.readers.clocks import check_fill, check_rate, one_clock
 from mobility_imu.readers.column_map import read_mapped
 from mobility_imu.readers.formats import find_format
 from mobility_imu.readers.sessions import is_session, read_session, session_files
-from mobility_imu.readers.streams import FACTORS, Asked, Stream, factor
+from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.readers.xsens_mt import is_xsens_mt, join_exports, parse_export
@@ -58,7 +58,6 @@ def read_recording(
     *,
     sampling_rate_hz: float | None = None,
     fill_gaps_s: float = 0.0,
-    units: Mapping[str, str] | None = None,
     expected: Sequence[str] = (),
 ) -> Recording:
     """Read a recording in any format that the package knows; warnings say what was odd.
@@ -70,7 +69,6 @@ def read_recording(
         files as ``lever=a.csv,body=b.csv``
     sampling_rate_hz : Hz, for formats without a clock; such a file is refused without it
     fill_gaps_s : gaps up to this length are filled by linear interpolation; 0 refuses any gap
-    units : quantity ("acc", "gyr") to its unit, for files that state none
     expected : names of sensors that are wanted; a sensor without a telling name gets them in order
 
     Returns
@@ -87,7 +85,6 @@ def read_recording(
         path,
         sampling_rate_hz=sampling_rate_hz,
         fill_gaps_s=fill_gaps_s,
-        units=units,
         expected=expected,
     )
     for sentence in found.warnings:
@@ -100,7 +97,6 @@ def understand(
     *,
     sampling_rate_hz: float | None = None,
     fill_gaps_s: float = 0.0,
-    units: Mapping[str, str] | None = None,
     expected: Sequence[str] = (),
     map_path: str | Path | None = None,
 ) -> Reading:
@@ -108,7 +104,7 @@ def understand(
 
     Parameters
     ----------
-    path, sampling_rate_hz, fill_gaps_s, units, expected : as in :func:`read_recording`
+    path, sampling_rate_hz, fill_gaps_s, expected : as in :func:`read_recording`
     map_path : TOML file that says which column is what, for tables of no known format
         (:mod:`mobility_imu.readers.column_map`)
 
@@ -125,8 +121,7 @@ def understand(
     if sampling_rate_hz is not None:
         check_rate(sampling_rate_hz, source)
     check_fill(fill_gaps_s)
-    asked = Asked(sampling_rate_hz, tuple(sorted(_checked_units(units, source).items())))
-    form, streams, are_named = _streams(path, asked, map_path)
+    form, streams, are_named = _streams(path, Asked(sampling_rate_hz), map_path)
     named, said = _named(streams, expected, source, are_named=are_named)
     recording, found = one_clock(named, source, fill_gaps_s=fill_gaps_s)
     return Reading(
@@ -136,14 +131,6 @@ def understand(
         ", ".join(dict.fromkeys(stream.rate_from for stream in streams)),
         warnings=(*said, *found),
     )
-
-
-def _checked_units(units: Mapping[str, str] | None, source: str) -> dict[str, str]:
-    for quantity, unit in (units or {}).items():
-        if quantity not in FACTORS:
-            raise InputError(f"{source}: unit of '{quantity}'; expected {', '.join(FACTORS)}")
-        factor(quantity, unit, source)
-    return dict(units or {})
 
 
 def _streams(
@@ -166,7 +153,7 @@ def _streams(
                     f"{sensor}={file}#LABEL"
                 )
             forms.append(form)
-            streams.append(_called(found[0], sensor))
+            streams.append(found[0].called(sensor))
         return ", ".join(dict.fromkeys(forms)), tuple(streams), True
     if map_path is not None:
         return "mapped CSV", read_mapped(read_text(whole), str(path), map_path), True
@@ -207,13 +194,6 @@ def _file_and_label(text: str) -> tuple[str, str | None]:
         return text, None
     file, _, label = text.rpartition("#")
     return file, label
-
-
-def _called(stream: Stream, label: str) -> Stream:
-    return Stream(
-        stream.time_s, stream.acc_mps2, stream.gyr_radps, source=stream.source, label=label,
-        warnings=stream.warnings, rate_from=stream.rate_from, counted=stream.counted,
-    )  # fmt: skip
 
 
 def _named(

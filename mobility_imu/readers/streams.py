@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -69,6 +69,19 @@ class Stream(Result):
         """Return the number of samples."""
         return len(self.time_s)
 
+    def called(self, label: str) -> Stream:
+        """The same stream under another label.
+
+        Parameters
+        ----------
+        label : name of the sensor
+
+        Returns
+        -------
+        Stream
+        """
+        return replace(self, label=label)
+
 
 class Asked(NamedTuple):
     """What the user says of a file that does not say it itself.
@@ -76,11 +89,9 @@ class Asked(NamedTuple):
     Parameters
     ----------
     sampling_rate_hz : Hz, or None
-    units : quantity ("acc", "gyr") to its unit, such as {"acc": "g"}
     """
 
     sampling_rate_hz: float | None = None
-    units: tuple[tuple[str, str], ...] = ()
 
     def rate(self, source: str, what: str, hint: str = "") -> float:
         """Sampling rate that the user gave, for a file that has no clock.
@@ -106,19 +117,6 @@ class Asked(NamedTuple):
                 "--sampling-rate-hz (sampling_rate_hz in Python)"
             )
         return self.sampling_rate_hz
-
-    def unit(self, quantity: str) -> str | None:
-        """Unit that the user gave for a quantity; None if none was given.
-
-        Parameters
-        ----------
-        quantity : "acc" or "gyr"
-
-        Returns
-        -------
-        str, or None
-        """
-        return dict(self.units).get(quantity)
 
 
 FEWEST_TO_JUDGE = 100
