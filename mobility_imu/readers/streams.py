@@ -31,6 +31,7 @@ class Stream(Result):
     label : what the file calls the sensor, such as a number or a place on the body
     rate_from : where the sampling rate comes from
     counted : whether the times count samples, so that every step longer than one is a loss
+    clock : which clock the stamps come from; streams with the same name here share one
 
     Raises
     ------
@@ -46,6 +47,7 @@ class Stream(Result):
     label: str = field(default="", kw_only=True)
     rate_from: str = field(default="its clock", kw_only=True)
     counted: bool = field(default=False, kw_only=True)
+    clock: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
         """Check shapes and numbers."""
@@ -69,18 +71,19 @@ class Stream(Result):
         """Return the number of samples."""
         return len(self.time_s)
 
-    def called(self, label: str) -> Stream:
+    def called(self, label: str, *, clock: str | None = None) -> Stream:
         """The same stream under another label.
 
         Parameters
         ----------
         label : name of the sensor
+        clock : which clock its stamps come from; as before if None
 
         Returns
         -------
         Stream
         """
-        return replace(self, label=label)
+        return replace(self, label=label, clock=self.clock if clock is None else clock)
 
 
 class Asked(NamedTuple):

@@ -113,9 +113,38 @@ def test_files_of_different_vendors_may_be_named_one_by_one(tmp_path):
         one = Recording(both.time_s, {"frame": both.sensor(sensor)}, source=sensor)
         parts[sensor] = write(one, tmp_path)
     named = ",".join(f"{sensor}={path}" for sensor, path in parts.items())
-    # Two clocks with no start in common: nothing says how they lie to each other.
-    with pytest.raises(InputError, match="share no time"):
+    # Two clocks with no start in common, and four seconds do not show how they lie to each other.
+    with pytest.raises(InputError, match=r"lever: a recording of 3\.99 s.*add clock=same"):
         quietly(named)
+
+
+def test_a_common_clock_is_believed(tmp_path):
+    both = made(("lever", "body"))
+    parts = []
+    for sensor in both.sensors:
+        one = Recording(both.time_s, {sensor: both.sensor(sensor)}, source=sensor)
+        (tmp_path / sensor).mkdir()
+        parts.append(f"{sensor}={dialects.canonical(one, tmp_path / sensor)}")
+    assert_same(quietly([*parts, "clock=same"]), both)
+    assert_same(quietly(",".join([*parts, "clock=same"])), both)
+    assert len(recording_files([*parts, "clock=same"])) == 2
+    with pytest.raises(InputError, match="clock=mine: expected clock=same"):
+        quietly([*parts, "clock=mine"])
+
+
+def test_exports_of_one_receiver_are_joined_on_their_counter(tmp_path):
+    recording = made(DEVICES["wheelchair"])
+    dialects.xsens_mt(recording, tmp_path)
+    left = tmp_path / "MT-LeftWheel.txt"
+    lines = left.read_text().split("\n")
+    left.write_text("\n".join([*lines[:3], *lines[53:]]))  # it starts half a second later
+    names = {"frame": "Frame", "left_wheel": "LeftWheel", "right_wheel": "RightWheel"}
+    found = quietly([f"{sensor}={tmp_path}/MT-{name}.txt" for sensor, name in names.items()])
+    assert len(found) == COUNT - 50
+    for sensor, imu in found.sensors.items():
+        np.testing.assert_allclose(imu.acc_mps2, recording.sensor(sensor).acc_mps2[50:], atol=1e-9)
+    unnamed = quietly([tmp_path / f"MT-{name}.txt" for name in names.values()])
+    assert sorted(unnamed.sensors) == sorted(names)
 
 
 @pytest.mark.parametrize("write", [dialects.sensor_logger, dialects.ngimu, dialects.phyphox])
