@@ -141,6 +141,21 @@ def test_files_of_a_recording(tmp_path):
     assert sorted(recording_files(tmp_path / "Trial")) == parts
 
 
+@pytest.mark.parametrize(
+    ("begin", "says"),
+    [
+        (b"\x89HDF\r\n\x1a\n\x00\x00\x00\x00", "is an HDF5 file, as APDM's programs write it"),
+        (b"PK\x03\x04\x14\x00\x06\x00", "is an archive or a workbook"),
+        (b"MATLAB 5.0 MAT-file, Platform: GLNXA64", "is a MATLAB file"),
+    ],
+)
+def test_what_is_no_text_is_to_be_exported(tmp_path, begin, says):
+    path = tmp_path / "20260101-walk.h5"
+    path.write_bytes(begin + bytes(500))
+    for reader in (read_recording, read_velocities, read_text):
+        assert f"{says}; export the recording as CSV" in refused(reader, path)
+
+
 # Tables
 
 

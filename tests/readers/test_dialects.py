@@ -287,6 +287,48 @@ def test_a_table_without_units_is_to_be_read_by_a_map():
         vectors(table, triple, "acc")
 
 
+def without_rate(folder):
+    recording = made(DEVICES["wheelchair"])
+    table = {}
+    for sensor, name in zip(
+        recording.sensors, ("Chassis", "RoueGauche", "RoueDroite"), strict=True
+    ):
+        table |= dialects.columns(
+            recording.sensor(sensor),
+            [f"{name}_Acc_{a}" for a in "XYZ"],
+            [f"{name}_Gyr_{a}" for a in "XYZ"],
+        )
+    pd.DataFrame(table).to_csv(folder / "wheelmove.csv", index=False, sep=";")
+    names = [*(f"Gyroscope {a} (deg/s)" for a in "XYZ"), *(f"Accelerometer {a} (g)" for a in "XYZ")]
+    rows = np.hstack(
+        [np.rad2deg(recording.gyroscope("frame")), recording.sensor("frame").acc_mps2 / G]
+    )
+    table = pd.DataFrame(
+        {"Packet number": np.arange(COUNT)} | dict(zip(names, rows.T, strict=True))
+    )
+    table.to_csv(folder / "CalInertialAndMag.csv", index=False)
+    one = Recording(recording.time_s, {"frame": recording.sensor("frame")}, source="made")
+    dialects.xsens_mt(one, folder, head="")
+    return [folder / name for name in ("wheelmove.csv", "CalInertialAndMag.csv", "MT-Frame.txt")]
+
+
+def test_a_format_that_states_no_rate_asks_for_it(tmp_path):
+    for path in without_rate(tmp_path):
+        with pytest.raises(InputError, match=r"states no sampling rate.*--sampling-rate-hz"):
+            understand(path)
+        found = understand(path, sampling_rate_hz=50)
+        assert found.recording.sampling_rate_hz == pytest.approx(50)
+        assert found.rate_from == "given"
+
+
+@pytest.mark.parametrize("write", OF_ONE, ids=lambda w: w.__name__)
+def test_a_rate_that_a_file_states_is_not_replaced(tmp_path, write):
+    """Every other format has a clock or states its rate, so nothing is asked."""
+    found = understand(write(made(), tmp_path), expected=("frame",), sampling_rate_hz=37)
+    assert found.rate_from != "given"
+    assert found.recording.sampling_rate_hz == pytest.approx(RATE_HZ, rel=0.01)
+
+
 MAP = """
 [clock]
 column = "t"
