@@ -70,7 +70,7 @@ class Reading(Result):
 
 
 def read_recording(
-    path: Named,
+    path: str | Path | Sequence[str | Path],
     *,
     sampling_rate_hz: float | None = None,
     fill_gaps_s: float = 0.0,
@@ -326,7 +326,7 @@ def _by_words(label: str) -> str | None:
     return found[0] if len(found) == 1 else None
 
 
-def recording_files(path: Named) -> list[Path]:
+def recording_files(path: str | Path | Sequence[str | Path]) -> list[Path]:
     """Files that :func:`read_recording` opens for a name.
 
     Parameters

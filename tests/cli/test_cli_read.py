@@ -1,12 +1,15 @@
 """``mobility-imu read``: several files on one clock."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from command_lines import COURT
 
+ROOT = Path(__file__).resolve().parents[2]
+LAG = r"(\w+) lags by (-?[\d.]+) ± ([\d.]+) s"
 COLUMNS = ("frame", "left_wheel", "right_wheel")
 
 
@@ -24,8 +27,12 @@ def files(tmp_path):
 def test_files_come_on_one_clock(files, works):
     result = works("read", *files, "-o", "trial.csv")
     assert "joined by their movement: left_wheel lags by " in result.stderr
-    found = re.findall(r"(\w+) lags by (-?[\d.]+) ± ([\d.]+) s", result.stderr)
+    found = re.findall(LAG, result.stderr)
     assert [name for name, _, _ in found] == ["left_wheel", "right_wheel"]
+    page = re.findall(LAG, (ROOT / "book" / "your_recordings.md").read_text())
+    for shown, (name, lag, sd) in zip(page, found, strict=True):
+        assert shown[0] == name
+        assert abs(float(shown[1]) - float(lag)) < 2e-4 and abs(float(shown[2]) - float(sd)) < 2e-4
     for (_, lag, sd), true in zip(found, (-7.3, 132.71), strict=True):
         assert abs(float(lag) - true) < 3 * float(sd) and float(sd) < 0.001
     assert "format    canonical CSV" in result.stdout
