@@ -20,7 +20,7 @@ def read(
         list[Path],
         typer.Argument(
             help="File, folder or archive of a session, common beginning of Xsens exports, or "
-            "several files, which come on one clock: lever=a.csv body=b.csv [clock=same]."
+            "several files, which come on one clock: lever=a.csv body=b.csv [clock=same|own]."
         ),
     ],
     output: Annotated[

@@ -41,8 +41,9 @@ SENSOR_WORDS = {
 """Words in a file's or folder's name, or in a vendor's label, that tell which sensor it is."""
 DEVICES = (("frame", "left_wheel", "right_wheel"), ("lever", "body"))
 MOST_SENSORS = 12
-CLOCK, SAME_CLOCK = "clock", "same"
-"""``clock=same`` among several files: their stamps come from one clock, or from one trigger."""
+CLOCK, SAME_CLOCK, OWN_CLOCK = "clock", "same", "own"
+"""``clock=same`` among several files: their stamps come from one clock, or from one trigger.
+``clock=own``: each sensor has a clock of its own, also where a file or session holds several."""
 Named = str | Path | Sequence[str | Path]
 """What names a recording."""
 
@@ -83,7 +84,8 @@ def read_recording(
     path : a file, a folder or archive of a session, the common beginning of the names of several
         Xsens exports (``Trial`` for ``Trial-Frame.txt``, ``Trial-LeftWheel.txt``, ...), or several
         files, in a list or as ``lever=a.csv,body=b.csv``. Files of several sensors each have a
-        clock of their own, and are joined by their movement unless ``clock=same`` is added
+        clock of their own, and are joined by their movement. With ``clock=same`` among them their
+        stamps are believed; with ``clock=own`` those of one file or session are not either
     sampling_rate_hz : Hz, for formats without a clock; such a file is refused without it
     fill_gaps_s : gaps up to this length are filled by linear interpolation; 0 refuses any gap
     expected : names of sensors that are wanted; a sensor without a telling name gets them in order
@@ -174,9 +176,9 @@ def _streams_of_several(
     parts: Sequence[tuple[str, str]], asked: Asked, map_path: str | Path | None
 ) -> tuple[str, tuple[Stream, ...], bool]:
     """Format and sensors of several files, each with its sensor's name, or without one."""
-    same = any(sensor == CLOCK for sensor, _ in parts)
+    clock = next((value for sensor, value in parts if sensor == CLOCK), None)
     parts = [(sensor, file) for sensor, file in parts if sensor != CLOCK]
-    exports = {} if same else _exports_of_one_receiver(parts)
+    exports = {} if clock else _exports_of_one_receiver(parts)
     if exports:
         return "Xsens MT Manager", join_exports(exports, asked), True
     forms: list[str] = []
@@ -195,7 +197,8 @@ def _streams_of_several(
         for stream in found:
             own = stream.label if are_named and len(found) > 1 else ""
             name = sensor or own or _name_of(as_path(file), stream.label)
-            streams.append(stream.called(name, clock="" if same else None))
+            clocks = {SAME_CLOCK: "", OWN_CLOCK: name}
+            streams.append(stream.called(name, clock=clocks.get(clock or "")))
     return ", ".join(dict.fromkeys(forms)), tuple(streams), True
 
 
@@ -247,7 +250,9 @@ def _several(path: Named) -> list[tuple[str, str]]:
     if isinstance(path, list | tuple):
         return _pairs([str(part) for part in path], loose=True)
     whole = as_path(text)
-    return [] if _is_there(whole) or is_session(whole) else _pairs(text.split(","))
+    if _is_there(whole) or is_session(whole):
+        return []
+    return _pairs(text.split(","), loose=f",{CLOCK}=" in text)
 
 
 def _pairs(parts: Sequence[str], *, loose: bool = False) -> list[tuple[str, str]]:
@@ -256,8 +261,10 @@ def _pairs(parts: Sequence[str], *, loose: bool = False) -> list[tuple[str, str]
     Where that is loose, a part may be a file alone.
     """
     found = [re.fullmatch(r"(\w+)=(.+)", part) for part in parts]
-    if len(parts) > MOST_SENSORS or not (loose or all(found)):
+    if not (loose or (all(found) and len(parts) <= MOST_SENSORS)):
         return []
+    if len(parts) > MOST_SENSORS:
+        raise InputError(f"{len(parts)} files, expected at most {MOST_SENSORS}")
     pairs = [
         (match[1], match[2]) if match and not _is_there(as_path(part)) else ("", part)
         for match, part in zip(found, parts, strict=True)
@@ -266,8 +273,12 @@ def _pairs(parts: Sequence[str], *, loose: bool = False) -> list[tuple[str, str]
     if len(set(names)) < len(names):
         raise InputError(f"{quoted(','.join(parts))}: a sensor is named twice")
     for name, value in pairs:
-        if name == CLOCK and value != SAME_CLOCK:
-            raise InputError(f"{CLOCK}={quoted(value)}: expected {CLOCK}={SAME_CLOCK}")
+        if name == CLOCK and value not in (SAME_CLOCK, OWN_CLOCK):
+            raise InputError(
+                f"{CLOCK}={quoted(value)}: expected {CLOCK}={SAME_CLOCK} or {CLOCK}={OWN_CLOCK}"
+            )
+    if not any(name != CLOCK for name, _ in pairs):
+        raise InputError(f"{quoted(','.join(parts))}: no file")
     return pairs
 
 

@@ -128,8 +128,17 @@ def test_a_common_clock_is_believed(tmp_path):
     assert_same(quietly([*parts, "clock=same"]), both)
     assert_same(quietly(",".join([*parts, "clock=same"])), both)
     assert len(recording_files([*parts, "clock=same"])) == 2
-    with pytest.raises(InputError, match="clock=mine: expected clock=same"):
-        quietly([*parts, "clock=mine"])
+    for wrong, says in (
+        ([*parts, "clock=mine"], "clock=mine: expected clock=same or clock=own"),
+        ([*parts, *parts], "named twice"),
+        (["clock=same", "clock=own"], "named twice"),
+        (["a.csv"] * 13, "13 files, expected at most 12"),
+        (["a.csv", "clock=own"], r"a\.csv: no such file"),
+        ("a.csv,clock=own", r"a\.csv: no such file"),
+        (",clock=own", "no such file|is a folder"),
+    ):
+        with pytest.raises(InputError, match=says):
+            quietly(wrong)
 
 
 def test_exports_of_one_receiver_are_joined_on_their_counter(tmp_path):

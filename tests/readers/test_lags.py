@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from scipy.signal import savgol_filter
 
 from mobility_imu.data import recordings_folder
 from mobility_imu.errors import InputError
@@ -223,6 +224,15 @@ def test_what_the_files_call_their_sensors_serves(tmp_path):
     assert set(found.recording.sensors) == set(files)
 
 
+def test_a_session_on_one_clock_can_be_joined_by_its_movement():
+    path = recordings_folder() / "wheelchair_court" / "court.csv.gz"
+    assert understand(path).lags == {}
+    for name in ([path, "clock=own"], f"{path},clock=own"):
+        lags = understand(name).lags
+        assert lags.keys() == {"left_wheel", "right_wheel"}
+        assert all(abs(lag.lag_s) < 1e-3 for lag in lags.values())
+
+
 # Real recordings, cut apart
 
 
@@ -259,6 +269,28 @@ def test_a_real_drive_that_is_cut_apart_comes_together(name):
         moved = after[sensor].lag_s - before[sensor].lag_s - put_in
         assert abs(moved) < 2 * np.hypot(after[sensor].lag_sd_s, before[sensor].lag_sd_s) + 1e-3
         assert abs(before[sensor].lag_s) < 0.03
+
+
+@real
+def test_a_session_whose_clocks_were_not_in_step():
+    """Three modules of one session: in step, the frame's turns fit the wheels' far better."""
+    path = FOLDER / "drives/grass_straight.csv.gz"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        before, after = read_recording(path), understand([path, "clock=own"])
+    assert after.lags["left_wheel"].lag_s == pytest.approx(0.112, abs=0.005)
+    assert after.lags["right_wheel"].lag_s == pytest.approx(0.021, abs=0.005)
+    unexplained = []
+    for recording in (before, after.recording):
+        frame, *wheels = (
+            savgol_filter(recording.gyroscope(name), 51, 3, axis=0)
+            for name in ("frame", "left_wheel", "right_wheel")
+        )
+        known = np.hstack([*wheels, np.ones((len(frame), 1))])
+        yaw = frame[:, np.argmax(frame.var(axis=0))]
+        left_over = yaw - known @ np.linalg.lstsq(known, yaw, rcond=None)[0]
+        unexplained.append(left_over.var() / yaw.var())
+    assert unexplained[1] < 0.5 * unexplained[0]
 
 
 @real
