@@ -380,18 +380,19 @@ def _at_all_lags(one: FloatArray, two: FloatArray, noise: float) -> tuple[FloatA
         return np.concatenate([full[size - m + 1 :], full[:n]])
 
     ones, twos = np.column_stack([np.ones(n), one]), np.column_stack([np.ones(m), two])
-    mask_one, mask_two = spectra(np.ones(n)), spectra(np.ones(m))
+    of_one = [spectra(column) for column in ones.T]
+    of_two = [spectra(column) for column in twos.T]
     sums = np.empty((n + m - 1, 1 + p + q, 1 + p + q))
     for i in range(1 + p):
         for j in range(i, 1 + p):
-            both = slid(spectra(ones[:, i] * ones[:, j]), mask_two)
+            both = slid(spectra(ones[:, i] * ones[:, j]), of_two[0])
             sums[:, i, j] = sums[:, j, i] = both
         for j in range(1, 1 + q):
-            both = slid(spectra(ones[:, i]), spectra(twos[:, j]))
+            both = slid(of_one[i], of_two[j])
             sums[:, i, p + j] = sums[:, p + j, i] = both
     for i in range(1, 1 + q):
         for j in range(i, 1 + q):
-            both = slid(mask_one, spectra(twos[:, i] * twos[:, j]))
+            both = slid(of_one[0], spectra(twos[:, i] * twos[:, j]))
             sums[:, p + i, p + j] = sums[:, p + j, p + i] = both
     shift = np.arange(-m + 1, n)
     enough = sums[:, 0, 0] >= max(SHORTEST_S * GRID_HZ, min(n, m) / 3)
