@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -29,20 +29,23 @@ from mobility_imu.readers.wording import listed
 from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ
 from mobility_imu.results import Result
 
-BAND_HZ = (0.3, 5.0)
-"""Where the movements of a person, of what he pushes or drives and the bumps that all of it feels
-lie; above is vibration, which differs from place to place."""
+OCTAVES_HZ = (0.3, 0.6, 1.25, 2.5, 5.0)
+"""Edges of the bands, in which what sensors share is measured one by one and added up: slow bands
+tell turns, quick ones pushes and bumps. Below lies the gyroscope's offset, above vibration, which
+differs from place to place."""
+FEWEST_PER_CHANNEL = 3.0
+"""Independent samples in the lowest band for each channel; with fewer, it is joined to the next."""
 GRID_HZ = 20.0
-"""Rate at which signals are compared: four times the band's upper end."""
+"""Rate at which signals are compared: four times the highest edge."""
 LARGEST_BAND_SHARE = 0.35
 """Of a sensor's rate; above, what is sampled too slowly would be taken for movement."""
-NOISE = {"gyr": 0.03, "acc": 0.5}
-"""rad/s² and m/s³: a cheap sensor's steps (0.06 deg/s, 0.01 g), differentiated in the band.
-Movement below it says nothing."""
+NOISE = {"gyr": 0.002, "acc": 0.03}
+"""rad/s and m/s²: twice a cheap sensor's step (0.06 deg/s), and a third of 0.01 g. Movement below
+it says nothing."""
 FIRST_LOOK_S = 120.0
 """Length in which the lag is looked for first. A drift of 100 ppm moves its ends by 6 ms."""
-SHORTEST_S = 10.0
-"""Less shared movement than this says nothing."""
+SHORTEST_S, SHORTEST_SHARE = 10.0, 0.5
+"""Less shared time than this, or than this part of the shorter recording, says nothing."""
 UNKNOWN_DRIFT = 1e-4
 """Standard deviation of the drift of any two crystals, twice what their data sheets allow. Where
 the movement shows a drift less well than this, it is taken for none."""
@@ -54,6 +57,8 @@ CLEAR_SPREAD = 2.0
 """Standard deviations (jackknife) by which it must be better, so that no single moment decides."""
 PEAK_S = 0.3
 """Lags nearer than this to the best one belong to its peak."""
+FINE_S = 0.01
+"""Steps in which peaks beside the best one are looked for."""
 NEAR_S = 0.15
 """Two looks at one clock must find the same lag to this."""
 MOST_GUESSES = 6
@@ -126,14 +131,16 @@ class Signals(NamedTuple):
     Parameters
     ----------
     begin_s, end_s : s, on their clock, the time that all of them have
-    at : curves of all channels, at any times in between
-    channels : number of them
+    at : (bands, n, channels) array of their movement in each band, at n times in between
+    channels : three for each sensor
+    width_hz : (bands,) array, Hz, width of each band
     """
 
     begin_s: float
     end_s: float
     at: Callable[[FloatArray], FloatArray]
     channels: int
+    width_hz: FloatArray
 
 
 class Look(NamedTuple):
@@ -145,7 +152,8 @@ class Look(NamedTuple):
     shift : (k,) array, begin of the second signals in the first, samples
     lag_s : (k,) array, s
     middle_s : s, on the second clock
-    one, two : channels of both
+    one, two : (bands, n, channels) arrays, of both
+    width_hz : (bands,) array, Hz, width of each band
     """
 
     odds: FloatArray
@@ -154,6 +162,7 @@ class Look(NamedTuple):
     middle_s: float
     one: FloatArray
     two: FloatArray
+    width_hz: FloatArray
 
 
 SAME = ClockLag(0.0, 0.0, 0.0, 0.0, 0.0)
@@ -185,10 +194,10 @@ def find_lags(
             f"{source}: {len(clocks)} clocks, expected at most {MOST_CLOCKS}; {SAY_SAME}"
         )
     kind = "gyr" if all(s.gyr_radps is not None for s in streams.values()) else "acc"
-    signals = [
-        _signals([streams[name] for name in names], kind, f"{source}, {', '.join(names)}")
-        for names in clocks
-    ]
+    for name, stream in streams.items():
+        _check(stream, f"{source}, {name}")
+    edges = _edges(streams)
+    signals = [_signals([streams[name] for name in names], kind, edges) for names in clocks]
     guess = _best_guess(signals, kind)
     if guess is None:
         raise InputError(_unclear(source, clocks[-1]))
@@ -243,67 +252,95 @@ def _unclear(source: str, names: Sequence[str]) -> str:
     )
 
 
-def _signals(streams: Sequence[Stream], kind: str, source: str) -> Signals:
-    """Change of the band-passed rates, or accelerations, of sensors that share a clock."""
+def _check(stream: Stream, source: str) -> None:
+    """Check that a stream can be compared with others."""
+    values = [stream.time_s, stream.acc_mps2]
+    values += [] if stream.gyr_radps is None else [stream.gyr_radps]
+    bad = ~np.isfinite(np.column_stack(values)).all(axis=1)
+    if bad.any():
+        raise InputError(f"{source}: not a finite number at row {int(np.argmax(bad)) + 1}")
+    length = float(np.ptp(stream.time_s))
+    if not SHORTEST_S < length <= LONGEST_S:
+        raise InputError(
+            f"{source}: a recording of {length:.3g} s, expected {SHORTEST_S:g} to {LONGEST_S:g} s "
+            f"to find how its clock lies to the others'; {SAY_SAME}"
+        )
+    step = _step(stream)
+    if length > MOST_FILLED * step * len(stream):
+        raise InputError(f"{source}: most of its time has no sample; are the times in s?")
+    if not LOWEST_RATE_HZ <= 1 / step <= HIGHEST_RATE_HZ:
+        raise InputError(f"{source}: sampling rate of {1 / step:.3g} Hz; are the times in s?")
+
+
+def _step(stream: Stream) -> float:
+    return float(np.median(np.diff(np.unique(stream.time_s))))
+
+
+def _edges(streams: Mapping[str, Stream]) -> FloatArray:
+    """Edges of the bands that all sensors can show, and in which chance has little room."""
+    highest = LARGEST_BAND_SHARE / max(_step(stream) for stream in streams.values())
+    edges = [edge for edge in OCTAVES_HZ if edge <= highest]
+    if len(edges) < 2:
+        edges = [OCTAVES_HZ[0], max(highest, 2 * OCTAVES_HZ[0])]
+    shared = _least_shared(min(float(np.ptp(stream.time_s)) for stream in streams.values()))
+    fewest = FEWEST_PER_CHANNEL * 3 * len(streams)
+    while len(edges) > 2 and 2 * (edges[1] - edges[0]) * shared < fewest:
+        del edges[1]
+    return np.array(edges)
+
+
+def _least_shared(length_s: float) -> float:
+    """Time that two recordings must share at a lag, the shorter of which has a length."""
+    return max(SHORTEST_S, SHORTEST_SHARE * length_s)
+
+
+def _signals(streams: Sequence[Stream], kind: str, edges: FloatArray) -> Signals:
+    """Rates, or accelerations, of sensors that share a clock, in bands."""
     curves = []
     for stream in streams:
-        values = stream.acc_mps2 if stream.gyr_radps is None or kind == "acc" else stream.gyr_radps
-        bad = ~np.isfinite(np.column_stack([stream.time_s, values])).all(axis=1)
-        if bad.any():
-            raise InputError(f"{source}: not a finite number at row {int(np.argmax(bad)) + 1}")
         stamps, first = np.unique(stream.time_s, return_index=True)
-        values = values[first]
-        length = float(stamps[-1] - stamps[0])
-        if not SHORTEST_S < length <= LONGEST_S:
-            raise InputError(
-                f"{source}: a recording of {length:.3g} s, expected {SHORTEST_S:g} to "
-                f"{LONGEST_S:g} s to find how its clock lies to the others'; {SAY_SAME}"
-            )
-        step = float(np.median(np.diff(stamps)))
-        if length > MOST_FILLED * step * len(stamps):
-            raise InputError(f"{source}: most of its time has no sample; are the times in s?")
-        if not LOWEST_RATE_HZ <= 1 / step <= HIGHEST_RATE_HZ:
-            raise InputError(f"{source}: sampling rate of {1 / step:.3g} Hz; are the times in s?")
+        values = stream.acc_mps2 if stream.gyr_radps is None or kind == "acc" else stream.gyr_radps
+        step = _step(stream)
         even = np.arange(stamps[0], stamps[-1], step)
-        rate = 1 / step
-        high = min(BAND_HZ[1], LARGEST_BAND_SHARE * rate)
-        band = butter(2, (BAND_HZ[0], high), "bandpass", fs=rate, output="sos")
-        there = np.column_stack([np.interp(even, stamps, axis) for axis in values.T])
-        # Differentiated: slow movement is strong and says little about time, quick movement much.
-        curves.append(CubicSpline(even, sosfiltfilt(band, there, axis=0)).derivative())
+        there = np.column_stack([np.interp(even, stamps, axis) for axis in values[first].T])
+        bands = [
+            sosfiltfilt(butter(4, band, "bandpass", fs=1 / step, output="sos"), there, axis=0)
+            for band in pairwise(edges)
+        ]
+        curves.append(CubicSpline(even, np.stack(bands, axis=1)))
     return Signals(
         max(float(curve.x[0]) for curve in curves),
         min(float(curve.x[-1]) for curve in curves),
-        lambda times: np.hstack([curve(times) for curve in curves]),
+        lambda times: np.concatenate([curve(times) for curve in curves], axis=2).swapaxes(0, 1),
         3 * len(curves),
+        np.diff(edges),
     )
 
 
 def _look(first: Sequence[Clocked], second: Sequence[Clocked], kind: str) -> Look | None:
     """What two bunches of clocks share at any lag between them; None if one is too short."""
     (time_s, one), (there, two) = _on_grid(first), _on_grid(second)
-    if min(len(one), len(two)) < SHORTEST_S * GRID_HZ:
+    if min(len(time_s), len(there)) < SHORTEST_S * GRID_HZ:
         return None
     most = int(FIRST_LOOK_S * GRID_HZ)
-    if len(two) > most:  # where it moves most
-        energy = np.cumsum(np.r_[0.0, (two**2).sum(axis=1)])
+    if len(there) > most:  # where it moves most
+        energy = np.cumsum(np.r_[0.0, (two**2).sum(axis=(0, 2))])
         k = int(np.argmax(energy[most:] - energy[:-most]))
-        there, two = there[k : k + most], two[k : k + most]
-    gain, shift = _at_all_lags(one, two, NOISE[kind])
+        there, two = there[k : k + most], two[:, k : k + most]
+    width_hz = first[0][0].width_hz
+    least = _least_shared(min(len(time_s), len(there)) / GRID_HZ) * GRID_HZ
+    odds: FloatArray = np.zeros(1)
+    for own, other, width in zip(one, two, width_hz, strict=True):
+        shared, count, shift = _at_all_lags(own, other, NOISE[kind], least)
+        odds = odds + _weight(count, width, own.shape[1] + other.shape[1]) * shared
     lag_s = there[0] - time_s[0] - shift / GRID_HZ
-    return Look(gain / _dependence(one, two), shift, lag_s, float(there.mean()), one, two)
+    return Look(odds, shift, lag_s, float(there.mean()), one, two, width_hz)
 
 
-def _dependence(one: FloatArray, two: FloatArray) -> float:
-    """Samples that count as one, since neighbours depend on each other (Bartlett)."""
-    count = min(len(one), len(two))
-
-    def shape(values: FloatArray) -> FloatArray:
-        power = np.abs(np.fft.rfft(values - values.mean(axis=0), 2 * len(values), axis=0)) ** 2
-        own = np.fft.irfft(power.sum(axis=1))[:count]
-        return np.asarray(own / max(own[0], np.finfo(float).tiny))
-
-    return max(1.0, 2 * float((shape(one) * shape(two)).sum()) - 1)
+def _weight(samples: FloatArray, width_hz: FloatArray, channels: int) -> FloatArray:
+    """Independent samples that a band holds, less Bartlett's correction for their small number."""
+    independent = 2 * width_hz * samples / GRID_HZ
+    return np.asarray(np.maximum(independent - (channels + 3) / 2, 0.0))
 
 
 def _peaks(look: Look | None) -> list[tuple[ClockLag, float]]:
@@ -335,13 +372,13 @@ def _is_clear(
     found: Mapping[int, ClockLag], half: Sequence[int], signals: Sequence[Signals], kind: str
 ) -> bool:
     """Whether the lag of some clocks to the others is better than any other, by odds and spread."""
+    others = _of({k: lag for k, lag in found.items() if k not in half}, signals)
     first = half[0]
-    look = _look(
-        _of({k: lag for k, lag in found.items() if k not in half}, signals),
-        [(signals[k], _against(found[k], found[first])) for k in half],
-        kind,
-    )
-    if look is None:
+    own = [(signals[k], _against(found[k], found[first])) for k in half]
+    look = _look(others, own, kind)
+    if look is None or not _is_clear_nearby(
+        others, _of({k: found[k] for k in half}, signals), kind
+    ):
         return False
     best = int(np.argmax(look.odds))
     middle = look.middle_s - look.lag_s[best]
@@ -359,14 +396,40 @@ def _is_clear(
     )
 
 
+def _is_clear_nearby(first: Sequence[Clocked], second: Sequence[Clocked], kind: str) -> bool:
+    """Whether no peak beside the found one, closer than a first look shows, is nearly as high."""
+    begin, end = _shared([*first, *second])
+    edge = PEAK_S + 1 / GRID_HZ
+    time_s = np.arange(begin + edge, end - edge, 1 / GRID_HZ)
+    one = np.concatenate([s.at(lag.stamps(time_s)) for s, lag in first], axis=2)
+    sizes, odds = (one.shape[2], sum(s.channels for s, _ in second)), []
+    for step in np.arange(-PEAK_S, PEAK_S + FINE_S / 2, FINE_S):
+        two = [signal.at(lag.stamps(time_s + step)) for signal, lag in second]
+        sums = _sums(np.concatenate([one, *two], axis=2), 1)
+        odds.append(float(_left_out(sums, sizes, NOISE[kind], first[0][0].width_hz)[0]))
+    middle = begin_of = end_of = len(odds) // 2
+    while begin_of > 0 and odds[begin_of - 1] < odds[begin_of]:
+        begin_of -= 1
+    while end_of < len(odds) - 1 and odds[end_of + 1] < odds[end_of]:
+        end_of += 1
+    beside = [*odds[:begin_of], *odds[end_of + 1 :]]
+    return not beside or odds[middle] - max(beside) > CLEAR_ODDS
+
+
 def _on_grid(clocked: Sequence[Clocked]) -> tuple[FloatArray, FloatArray]:
     """Times on the first of some clocks, and the channels of all of them."""
     time_s = np.arange(*_shared(clocked), 1 / GRID_HZ)
-    return time_s, np.hstack([signal.at(lag.stamps(time_s)) for signal, lag in clocked])
+    return time_s, np.concatenate([s.at(lag.stamps(time_s)) for s, lag in clocked], axis=2)
 
 
-def _at_all_lags(one: FloatArray, two: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:
-    """Samples times total correlation at each shift of the second signal's begin in the first."""
+def _at_all_lags(
+    one: FloatArray, two: FloatArray, noise: float, least: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Total correlation, samples in common and shift, for each shift of the second signals.
+
+    Shifts are those of the second's begin in the first; with fewer than ``least`` samples in common
+    they are left out.
+    """
     n, m = len(one), len(two)
     size = 1 << int(np.ceil(np.log2(n + m)))
     p, q = one.shape[1], two.shape[1]
@@ -377,12 +440,15 @@ def _at_all_lags(one: FloatArray, two: FloatArray, noise: float) -> tuple[FloatA
     def slid(a: FloatArray, b: FloatArray) -> FloatArray:
         """Sum of a(k + shift) b(k) over k, for shifts from -m + 1 to n - 1."""
         full = np.fft.irfft(a * np.conj(b), size, axis=0)
-        return np.concatenate([full[size - m + 1 :], full[:n]])
+        return np.concatenate([full[size - m + 1 :], full[:n]])[enough]
 
+    shift = np.arange(-m + 1, n)
+    common = np.minimum(np.minimum(shift + m, n - shift), min(n, m))
+    enough = common >= least
     ones, twos = np.column_stack([np.ones(n), one]), np.column_stack([np.ones(m), two])
     of_one = [spectra(column) for column in ones.T]
     of_two = [spectra(column) for column in twos.T]
-    sums = np.empty((n + m - 1, 1 + p + q, 1 + p + q))
+    sums = np.empty((int(enough.sum()), 1 + p + q, 1 + p + q))
     for i in range(1 + p):
         for j in range(i, 1 + p):
             both = slid(spectra(ones[:, i] * ones[:, j]), of_two[0])
@@ -394,26 +460,21 @@ def _at_all_lags(one: FloatArray, two: FloatArray, noise: float) -> tuple[FloatA
         for j in range(i, 1 + q):
             both = slid(of_one[0], spectra(twos[:, i] * twos[:, j]))
             sums[:, p + i, p + j] = sums[:, p + j, p + i] = both
-    shift = np.arange(-m + 1, n)
-    enough = sums[:, 0, 0] >= max(SHORTEST_S * GRID_HZ, min(n, m) / 3)
-    return (
-        sums[enough, 0, 0] * _total_correlation(sums[enough], (p, q), noise),
-        shift[enough].astype(float),
-    )
+    kept = (np.asarray(values[enough], float) for values in (common, shift))
+    return _total_correlation(sums, (p, q), noise), *kept  # type: ignore[return-value]
 
 
 def _spread(look: Look, shifts: tuple[int, int], noise: float) -> float:
     """By how many standard deviations (jackknife) the first shift is better than the second."""
     one, two = look.one, look.two
-    parts = _parts(len(two) / GRID_HZ)
+    parts = _parts(two.shape[1] / GRID_HZ)
     each = []
     for shift in shifts:
-        here = np.arange(len(two)) + shift
-        inside = (here >= 0) & (here < len(one))
-        both = np.hstack([one[np.clip(here, 0, len(one) - 1)], two])
+        here = np.arange(two.shape[1]) + shift
+        inside = (here >= 0) & (here < one.shape[1])
+        both = np.concatenate([one[:, np.clip(here, 0, one.shape[1] - 1)], two], axis=2)
         sums = _sums(both, parts, inside)
-        count = sums[:, 0, 0].sum() - np.r_[0.0, sums[:, 0, 0]]
-        each.append(count * _left_out(sums, (one.shape[1], two.shape[1]), noise))
+        each.append(_left_out(sums, (one.shape[2], two.shape[2]), noise, look.width_hz))
     better = each[0] - each[1]
     spread = np.sqrt((parts - 1) * np.mean((better[1:] - better[1:].mean()) ** 2))
     return float(better[0] / spread) if spread > 0 else 0.0
@@ -442,7 +503,7 @@ def _fit_window(
     if 2 * half < SHORTEST_S:
         return None
     time_s = np.arange(window[0], window[1], max(1 / GRID_HZ, 2 * half / MOST_SAMPLES))
-    parts = _parts(2 * half)
+    parts, len_grid = _parts(2 * half), 2 * half * GRID_HZ
     each = 2 if drift else 1  # lag in the middle, and what drift adds at the end
     signals = [signal for signal, _ in clocked]
     given = [
@@ -458,14 +519,16 @@ def _fit_window(
             if drift:
                 stamps = stamps + pair[1] * (time_s - middle) / half
             channels.append(signal.at(np.clip(stamps, signal.begin_s, signal.end_s)))
-        return _left_out(_sums(np.hstack(channels), parts), sizes, NOISE[kind])
+        sums = _sums(np.concatenate(channels, axis=2), parts) * (len_grid / len(time_s))
+        return _left_out(sums, sizes, NOISE[kind], signals[0].width_hz)
 
+    values = _scanned(gain, values, each)
     corners = np.vstack([values, values + FIRST_STEP_S * np.eye(len(values))])
     best = minimize(
         lambda at: -float(gain(at)[0]),
         values,
         method="Nelder-Mead",
-        options={"initial_simplex": corners, "xatol": LAST_STEP_S, "fatol": 0.0, "maxfev": 2000},
+        options={"initial_simplex": corners, "xatol": LAST_STEP_S, "fatol": np.inf, "maxfev": 2000},
     )
     values = best.x
     slope, bend = _derivatives(gain, values)
@@ -481,6 +544,17 @@ def _fit_window(
             ClockLag(float(pair[0]), float(pair_sd[0]), float(rate), float(rate_sd), middle)
         )
     return found
+
+
+def _scanned(gain: Callable[[FloatArray], FloatArray], at: FloatArray, each: int) -> FloatArray:
+    """Lags at the highest of neighbouring peaks, each lag in turn and then all together."""
+    steps = np.arange(-PEAK_S, PEAK_S + FIRST_STEP_S / 2, FIRST_STEP_S / 3)
+    lags = np.eye(len(at))[::each]  # drifts stay
+    together = [lags.sum(axis=0)] if len(lags) > 1 else []
+    for move in [*lags, *together, *lags]:
+        tried = [at + step * move for step in steps]
+        at = tried[int(np.argmax([gain(one)[0] for one in tried]))]
+    return at
 
 
 def _derivatives(
@@ -514,16 +588,22 @@ def _parts(length_s: float) -> int:
 
 
 def _sums(values: FloatArray, parts: int, inside: NDArray[np.bool_] | None = None) -> FloatArray:
-    """Sums of all products of 1 and the channels, in each part."""
-    one = np.ones(len(values)) if inside is None else inside.astype(float)
-    full = np.column_stack([one, values * one[:, None]])
-    return np.stack([part.T @ part for part in np.array_split(full, parts)])
+    """Sums of all products of 1 and the channels, in each part and band: (parts, bands, ...)."""
+    one = np.ones(values.shape[1]) if inside is None else inside.astype(float)
+    bands = [np.column_stack([one, band * one[:, None]]) for band in values]
+    return np.stack(
+        [[part.T @ part for part in np.array_split(band, parts)] for band in bands], axis=1
+    )
 
 
-def _left_out(sums: FloatArray, sizes: tuple[int, ...], noise: float) -> FloatArray:
-    """Total correlation of all parts, then of all but each."""
+def _left_out(
+    sums: FloatArray, sizes: tuple[int, ...], noise: float, width_hz: FloatArray
+) -> FloatArray:
+    """Logarithm of the odds from all parts, then from all but each."""
     whole = sums.sum(axis=0)
-    return _total_correlation(np.concatenate([whole[None], whole - sums]), sizes, noise)
+    kept = np.concatenate([whole[None], whole - sums])
+    weight = _weight(kept[:, :, 0, 0], width_hz, sum(sizes))
+    return np.asarray((weight * _total_correlation(kept, sizes, noise)).sum(axis=1))
 
 
 def _total_correlation(sums: FloatArray, sizes: tuple[int, ...], noise: float) -> FloatArray:
@@ -531,22 +611,22 @@ def _total_correlation(sums: FloatArray, sizes: tuple[int, ...], noise: float) -
 
     Parameters
     ----------
-    sums : (k, 1 + c, 1 + c) array: of 1 and c channels, summed over the samples
+    sums : (..., 1 + c, 1 + c) array: of 1 and c channels, summed over the samples
     sizes : channels of each group
     noise : standard deviation of a sensor's noise, in the channels' unit
 
     Returns
     -------
-    (k,) array
+    (...) array
     """
-    count = np.maximum(sums[:, :1, :1], 1.0)
-    mean = sums[:, 0, 1:] / count[:, 0]
-    covariance = sums[:, 1:, 1:] / count - mean[:, :, None] * mean[:, None, :]
+    count = np.maximum(sums[..., :1, :1], 1.0)
+    mean = sums[..., 0, 1:] / count[..., 0]
+    covariance = sums[..., 1:, 1:] / count - mean[..., :, None] * mean[..., None, :]
     covariance = covariance + noise**2 * np.eye(covariance.shape[-1])
     shared = -np.linalg.slogdet(covariance)[1]
     first = 0
     for size in sizes:
         part = slice(first, first + size)
-        shared = shared + np.linalg.slogdet(covariance[:, part, part])[1]
+        shared = shared + np.linalg.slogdet(covariance[..., part, part])[1]
         first += size
     return np.asarray(0.5 * shared)
