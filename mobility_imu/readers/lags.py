@@ -1,51 +1,44 @@
 """Lag and drift between clocks, from the movement that sensors on one device share.
 
-Rates of sensors on one device depend on each other: two on a rigid part turn alike, a wheel's rate
-follows the frame's, the frame's yaw rate is the difference of both wheels'. How much they have in
-common is their total correlation, half the logarithm of (product of the determinants of each
-clock's covariance) over (determinant of the covariance of all), for Gaussian signals the
-information shared by the clocks. It needs neither mounting nor geometry, and is largest when the
-clocks are in step: its maximum gives lags and drifts. Their standard deviations are those of the
-jackknife: the maximum is found anew with each of up to twenty parts of the recording left out.
+What the sensors tell about each other (:mod:`~mobility_imu.readers.shared_movement`) is most when
+their clocks are in step: the maximum gives lags and drifts. Their standard deviations are those of
+the jackknife: the maximum is found anew with each of up to twenty parts of the recording left out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations, pairwise
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize
-from scipy.signal import butter, sosfiltfilt
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
+from mobility_imu.readers.shared_movement import (
+    GRID_HZ,
+    NOISE,
+    SAY_SAME,
+    SHORTEST_S,
+    Signals,
+    at_all_shifts,
+    band_edges,
+    band_signals,
+    check_stream,
+    independent_samples,
+    least_shared,
+    odds_without_each,
+    pooled,
+    sums_in_parts,
+)
 from mobility_imu.readers.streams import Stream
 from mobility_imu.readers.wording import listed
-from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ
 from mobility_imu.results import Result
 
-OCTAVES_HZ = (0.3, 0.6, 1.25, 2.5, 5.0)
-"""Edges of the bands, in which what sensors share is measured one by one and added up: slow bands
-tell turns, quick ones pushes and bumps. Below lies the gyroscope's offset, above vibration, which
-differs from place to place."""
-FEWEST_PER_CHANNEL = 3.0
-"""Independent samples in the lowest band for each channel; with fewer, it is joined to the next."""
-GRID_HZ = 20.0
-"""Rate at which signals are compared: four times the highest edge."""
-LARGEST_BAND_SHARE = 0.35
-"""Of a sensor's rate; above, what is sampled too slowly would be taken for movement."""
-NOISE = {"gyr": 0.002, "acc": 0.03}
-"""rad/s and m/s²: twice a cheap sensor's step (0.06 deg/s), and a third of 0.01 g. Movement below
-it says nothing."""
 FIRST_LOOK_S = 120.0
 """Length in which the lag is looked for first. A drift of 100 ppm moves its ends by 6 ms."""
-SHORTEST_S, SHORTEST_SHARE = 10.0, 0.5
-"""Less shared time than this, or than this part of the shorter recording, says nothing."""
 UNKNOWN_DRIFT = 1e-4
 """Standard deviation of the drift of any two crystals, twice what their data sheets allow. Where
 the movement shows a drift less well than this, it is taken for none."""
@@ -69,13 +62,8 @@ STEP_S = 1e-4
 FIRST_STEP_S, LAST_STEP_S = 0.03, 1e-5
 """First and last steps of the search for the largest total correlation."""
 MOST_CLOCKS = 5
-LONGEST_S = 8 * 3600.0
-"""Of a recording; a longer one is to be cut."""
 MOST_SAMPLES = 24_000
 """Samples that are looked at once the lag is nearly known; of a longer recording fewer a second."""
-MOST_FILLED = 4.0
-"""Times its samples that a sensor could have had in its time; more is a clock that jumps."""
-SAY_SAME = "add clock=same if the files share a start or a trigger"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -125,30 +113,13 @@ class ClockLag(Result):
         return np.asarray(self.at_s + (stamps_s - here) / (1 + self.drift))
 
 
-class Signals(NamedTuple):
-    """Movement of the sensors of one clock, without its slow and fast parts.
-
-    Parameters
-    ----------
-    begin_s, end_s : s, on their clock, the time that all of them have
-    at : (bands, n, channels) array of their movement in each band, at n times in between
-    channels : three for each sensor
-    width_hz : (bands,) array, Hz, width of each band
-    """
-
-    begin_s: float
-    end_s: float
-    at: Callable[[FloatArray], FloatArray]
-    channels: int
-    width_hz: FloatArray
-
-
 class Look(NamedTuple):
     """What two bunches of clocks share at any lag between them.
 
     Parameters
     ----------
-    odds : (k,) array, logarithm of the odds that speak for each lag
+    shared : (bands, k) array, nats per independent sample
+    weight : (bands, k) array, independent samples
     shift : (k,) array, begin of the second signals in the first, samples
     lag_s : (k,) array, s
     middle_s : s, on the second clock
@@ -156,13 +127,24 @@ class Look(NamedTuple):
     width_hz : (bands,) array, Hz, width of each band
     """
 
-    odds: FloatArray
+    shared: FloatArray
+    weight: FloatArray
     shift: FloatArray
     lag_s: FloatArray
     middle_s: float
     one: FloatArray
     two: FloatArray
     width_hz: FloatArray
+
+    @property
+    def odds(self) -> FloatArray:
+        """Logarithm of the odds that speak for each lag."""
+        return np.asarray((self.weight * self.shared).sum(axis=0))
+
+    def behind(self, best: int) -> FloatArray:
+        """By how much each lag is worse than the best one, with as many samples."""
+        weight = np.minimum(self.weight, self.weight[:, [best]])
+        return np.asarray((weight * (self.shared[:, [best]] - self.shared)).sum(axis=0))
 
 
 SAME = ClockLag(0.0, 0.0, 0.0, 0.0, 0.0)
@@ -195,9 +177,9 @@ def find_lags(
         )
     kind = "gyr" if all(s.gyr_radps is not None for s in streams.values()) else "acc"
     for name, stream in streams.items():
-        _check(stream, f"{source}, {name}")
-    edges = _edges(streams)
-    signals = [_signals([streams[name] for name in names], kind, edges) for names in clocks]
+        check_stream(stream, f"{source}, {name}")
+    edges = band_edges(streams)
+    signals = [band_signals([streams[name] for name in names], kind, edges) for names in clocks]
     guess = _best_guess(signals, kind)
     if guess is None:
         raise InputError(_unclear(source, clocks[-1]))
@@ -252,71 +234,6 @@ def _unclear(source: str, names: Sequence[str]) -> str:
     )
 
 
-def _check(stream: Stream, source: str) -> None:
-    """Check that a stream can be compared with others."""
-    values = [stream.time_s, stream.acc_mps2]
-    values += [] if stream.gyr_radps is None else [stream.gyr_radps]
-    bad = ~np.isfinite(np.column_stack(values)).all(axis=1)
-    if bad.any():
-        raise InputError(f"{source}: not a finite number at row {int(np.argmax(bad)) + 1}")
-    length = float(np.ptp(stream.time_s))
-    if not SHORTEST_S < length <= LONGEST_S:
-        raise InputError(
-            f"{source}: a recording of {length:.3g} s, expected {SHORTEST_S:g} to {LONGEST_S:g} s "
-            f"to find how its clock lies to the others'; {SAY_SAME}"
-        )
-    step = _step(stream)
-    if length > MOST_FILLED * step * len(stream):
-        raise InputError(f"{source}: most of its time has no sample; are the times in s?")
-    if not LOWEST_RATE_HZ <= 1 / step <= HIGHEST_RATE_HZ:
-        raise InputError(f"{source}: sampling rate of {1 / step:.3g} Hz; are the times in s?")
-
-
-def _step(stream: Stream) -> float:
-    return float(np.median(np.diff(np.unique(stream.time_s))))
-
-
-def _edges(streams: Mapping[str, Stream]) -> FloatArray:
-    """Edges of the bands that all sensors can show, and in which chance has little room."""
-    highest = LARGEST_BAND_SHARE / max(_step(stream) for stream in streams.values())
-    edges = [edge for edge in OCTAVES_HZ if edge <= highest]
-    if len(edges) < 2:
-        edges = [OCTAVES_HZ[0], max(highest, 2 * OCTAVES_HZ[0])]
-    shared = _least_shared(min(float(np.ptp(stream.time_s)) for stream in streams.values()))
-    fewest = FEWEST_PER_CHANNEL * 3 * len(streams)
-    while len(edges) > 2 and 2 * (edges[1] - edges[0]) * shared < fewest:
-        del edges[1]
-    return np.array(edges)
-
-
-def _least_shared(length_s: float) -> float:
-    """Time that two recordings must share at a lag, the shorter of which has a length."""
-    return max(SHORTEST_S, SHORTEST_SHARE * length_s)
-
-
-def _signals(streams: Sequence[Stream], kind: str, edges: FloatArray) -> Signals:
-    """Rates, or accelerations, of sensors that share a clock, in bands."""
-    curves = []
-    for stream in streams:
-        stamps, first = np.unique(stream.time_s, return_index=True)
-        values = stream.acc_mps2 if stream.gyr_radps is None or kind == "acc" else stream.gyr_radps
-        step = _step(stream)
-        even = np.arange(stamps[0], stamps[-1], step)
-        there = np.column_stack([np.interp(even, stamps, axis) for axis in values[first].T])
-        bands = [
-            sosfiltfilt(butter(4, band, "bandpass", fs=1 / step, output="sos"), there, axis=0)
-            for band in pairwise(edges)
-        ]
-        curves.append(CubicSpline(even, np.stack(bands, axis=1)))
-    return Signals(
-        max(float(curve.x[0]) for curve in curves),
-        min(float(curve.x[-1]) for curve in curves),
-        lambda times: np.concatenate([curve(times) for curve in curves], axis=2).swapaxes(0, 1),
-        3 * len(curves),
-        np.diff(edges),
-    )
-
-
 def _look(first: Sequence[Clocked], second: Sequence[Clocked], kind: str) -> Look | None:
     """What two bunches of clocks share at any lag between them; None if one is too short."""
     (time_s, one), (there, two) = _on_grid(first), _on_grid(second)
@@ -328,19 +245,16 @@ def _look(first: Sequence[Clocked], second: Sequence[Clocked], kind: str) -> Loo
         k = int(np.argmax(energy[most:] - energy[:-most]))
         there, two = there[k : k + most], two[:, k : k + most]
     width_hz = first[0][0].width_hz
-    least = _least_shared(min(len(time_s), len(there)) / GRID_HZ) * GRID_HZ
-    odds: FloatArray = np.zeros(1)
+    least = least_shared(min(len(time_s), len(there)) / GRID_HZ) * GRID_HZ
+    shared, weight = [], []
     for own, other, width in zip(one, two, width_hz, strict=True):
-        shared, count, shift = _at_all_lags(own, other, NOISE[kind], least)
-        odds = odds + _weight(count, width, own.shape[1] + other.shape[1]) * shared
+        nats, count, shift = at_all_shifts(own, other, NOISE[kind], least)
+        shared.append(nats)
+        weight.append(independent_samples(count, width, own.shape[1] + other.shape[1]))
     lag_s = there[0] - time_s[0] - shift / GRID_HZ
-    return Look(odds, shift, lag_s, float(there.mean()), one, two, width_hz)
-
-
-def _weight(samples: FloatArray, width_hz: FloatArray, channels: int) -> FloatArray:
-    """Independent samples that a band holds, less Bartlett's correction for their small number."""
-    independent = 2 * width_hz * samples / GRID_HZ
-    return np.asarray(np.maximum(independent - (channels + 3) / 2, 0.0))
+    return Look(
+        np.array(shared), np.array(weight), shift, lag_s, float(there.mean()), one, two, width_hz
+    )
 
 
 def _peaks(look: Look | None) -> list[tuple[ClockLag, float]]:
@@ -358,11 +272,11 @@ def _peaks(look: Look | None) -> list[tuple[ClockLag, float]]:
 
 
 def _peak_of(odds: FloatArray, k: int) -> slice:
-    """Lags that belong to a peak: down to half its height, and those near it."""
+    """Lags that belong to a peak: down its slopes, and those near it."""
     begin = end = k
-    while begin > 0 and odds[begin] > 0.5 * odds[k]:
+    while begin > 0 and odds[begin - 1] < odds[begin]:
         begin -= 1
-    while end < len(odds) - 1 and odds[end] > 0.5 * odds[k]:
+    while end < len(odds) - 1 and odds[end + 1] < odds[end]:
         end += 1
     near = int(PEAK_S * GRID_HZ)
     return slice(max(0, min(begin, k - near)), max(end, k + near) + 1)
@@ -383,16 +297,14 @@ def _is_clear(
     best = int(np.argmax(look.odds))
     middle = look.middle_s - look.lag_s[best]
     expected = float(found[first].stamps(np.array(middle)) - middle)
-    outside = np.array(look.odds)
-    outside[_peak_of(look.odds, best)] = -np.inf
-    other = int(np.argmax(outside))
-    if not np.isfinite(outside[other]):
-        return False
-    shifts = int(look.shift[best]), int(look.shift[other])
+    behind = look.behind(best)
+    behind[_peak_of(look.odds, best)] = np.inf
+    other = int(np.argmin(behind))
     return bool(
-        abs(look.lag_s[best] - expected) <= NEAR_S
-        and look.odds[best] - look.odds[other] > CLEAR_ODDS
-        and _spread(look, shifts, NOISE[kind]) > CLEAR_SPREAD
+        np.isfinite(behind[other])
+        and abs(look.lag_s[best] - expected) <= NEAR_S
+        and behind[other] > CLEAR_ODDS
+        and _spread(look, best, other, NOISE[kind]) > CLEAR_SPREAD
     )
 
 
@@ -403,17 +315,23 @@ def _is_clear_nearby(first: Sequence[Clocked], second: Sequence[Clocked], kind: 
     time_s = np.arange(begin + edge, end - edge, 1 / GRID_HZ)
     one = np.concatenate([s.at(lag.stamps(time_s)) for s, lag in first], axis=2)
     sizes, odds = (one.shape[2], sum(s.channels for s, _ in second)), []
+    together, width_hz = [], first[0][0].width_hz
     for step in np.arange(-PEAK_S, PEAK_S + FINE_S / 2, FINE_S):
         two = [signal.at(lag.stamps(time_s + step)) for signal, lag in second]
-        sums = _sums(np.concatenate([one, *two], axis=2), 1)
-        odds.append(float(_left_out(sums, sizes, NOISE[kind], first[0][0].width_hz)[0]))
+        sums = sums_in_parts(np.concatenate([one, *two], axis=2), 1)
+        odds.append(float(odds_without_each(sums, sizes, NOISE[kind], width_hz)[0]))
+        whole = np.array([width_hz.sum()])
+        together.append(float(odds_without_each(pooled(sums), sizes, NOISE[kind], whole)[0]))
     middle = begin_of = end_of = len(odds) // 2
     while begin_of > 0 and odds[begin_of - 1] < odds[begin_of]:
         begin_of -= 1
     while end_of < len(odds) - 1 and odds[end_of + 1] < odds[end_of]:
         end_of += 1
-    beside = [*odds[:begin_of], *odds[end_of + 1 :]]
-    return not beside or odds[middle] - max(beside) > CLEAR_ODDS
+    # Bands that may each have a relation of their own agree more easily than by one relation.
+    return all(
+        curve[middle] - max([*curve[:begin_of], *curve[end_of + 1 :]], default=-np.inf) > CLEAR_ODDS
+        for curve in (odds, together)
+    )
 
 
 def _on_grid(clocked: Sequence[Clocked]) -> tuple[FloatArray, FloatArray]:
@@ -422,59 +340,20 @@ def _on_grid(clocked: Sequence[Clocked]) -> tuple[FloatArray, FloatArray]:
     return time_s, np.concatenate([s.at(lag.stamps(time_s)) for s, lag in clocked], axis=2)
 
 
-def _at_all_lags(
-    one: FloatArray, two: FloatArray, noise: float, least: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Total correlation, samples in common and shift, for each shift of the second signals.
-
-    Shifts are those of the second's begin in the first; with fewer than ``least`` samples in common
-    they are left out.
-    """
-    n, m = len(one), len(two)
-    size = 1 << int(np.ceil(np.log2(n + m)))
-    p, q = one.shape[1], two.shape[1]
-
-    def spectra(values: FloatArray) -> FloatArray:
-        return np.asarray(np.fft.rfft(values, size, axis=0))
-
-    def slid(a: FloatArray, b: FloatArray) -> FloatArray:
-        """Sum of a(k + shift) b(k) over k, for shifts from -m + 1 to n - 1."""
-        full = np.fft.irfft(a * np.conj(b), size, axis=0)
-        return np.concatenate([full[size - m + 1 :], full[:n]])[enough]
-
-    shift = np.arange(-m + 1, n)
-    common = np.minimum(np.minimum(shift + m, n - shift), min(n, m))
-    enough = common >= least
-    ones, twos = np.column_stack([np.ones(n), one]), np.column_stack([np.ones(m), two])
-    of_one = [spectra(column) for column in ones.T]
-    of_two = [spectra(column) for column in twos.T]
-    sums = np.empty((int(enough.sum()), 1 + p + q, 1 + p + q))
-    for i in range(1 + p):
-        for j in range(i, 1 + p):
-            both = slid(spectra(ones[:, i] * ones[:, j]), of_two[0])
-            sums[:, i, j] = sums[:, j, i] = both
-        for j in range(1, 1 + q):
-            both = slid(of_one[i], of_two[j])
-            sums[:, i, p + j] = sums[:, p + j, i] = both
-    for i in range(1, 1 + q):
-        for j in range(i, 1 + q):
-            both = slid(of_one[0], spectra(twos[:, i] * twos[:, j]))
-            sums[:, p + i, p + j] = sums[:, p + j, p + i] = both
-    kept = (np.asarray(values[enough], float) for values in (common, shift))
-    return _total_correlation(sums, (p, q), noise), *kept  # type: ignore[return-value]
-
-
-def _spread(look: Look, shifts: tuple[int, int], noise: float) -> float:
-    """By how many standard deviations (jackknife) the first shift is better than the second."""
+def _spread(look: Look, best: int, other: int, noise: float) -> float:
+    """By how many standard deviations (jackknife) the best lag is better than another."""
     one, two = look.one, look.two
+    weight = np.minimum(look.weight[:, best], look.weight[:, other])
     parts = _parts(two.shape[1] / GRID_HZ)
     each = []
-    for shift in shifts:
+    for shift in look.shift[[best, other]].astype(int):
         here = np.arange(two.shape[1]) + shift
         inside = (here >= 0) & (here < one.shape[1])
         both = np.concatenate([one[:, np.clip(here, 0, one.shape[1] - 1)], two], axis=2)
-        sums = _sums(both, parts, inside)
-        each.append(_left_out(sums, (one.shape[2], two.shape[2]), noise, look.width_hz))
+        sums = sums_in_parts(both, parts, inside)
+        each.append(
+            odds_without_each(sums, (one.shape[2], two.shape[2]), noise, look.width_hz, weight)
+        )
     better = each[0] - each[1]
     spread = np.sqrt((parts - 1) * np.mean((better[1:] - better[1:].mean()) ** 2))
     return float(better[0] / spread) if spread > 0 else 0.0
@@ -519,8 +398,8 @@ def _fit_window(
             if drift:
                 stamps = stamps + pair[1] * (time_s - middle) / half
             channels.append(signal.at(np.clip(stamps, signal.begin_s, signal.end_s)))
-        sums = _sums(np.concatenate(channels, axis=2), parts) * (len_grid / len(time_s))
-        return _left_out(sums, sizes, NOISE[kind], signals[0].width_hz)
+        sums = sums_in_parts(np.concatenate(channels, axis=2), parts) * (len_grid / len(time_s))
+        return odds_without_each(sums, sizes, NOISE[kind], signals[0].width_hz)
 
     values = _scanned(gain, values, each)
     corners = np.vstack([values, values + FIRST_STEP_S * np.eye(len(values))])
@@ -585,48 +464,3 @@ def _shared(clocked: Sequence[Clocked]) -> tuple[float, float]:
 def _parts(length_s: float) -> int:
     """Parts of the jackknife in a recording of a length."""
     return int(np.clip(length_s / SHORTEST_PART_S, 2, MOST_PARTS))
-
-
-def _sums(values: FloatArray, parts: int, inside: NDArray[np.bool_] | None = None) -> FloatArray:
-    """Sums of all products of 1 and the channels, in each part and band: (parts, bands, ...)."""
-    one = np.ones(values.shape[1]) if inside is None else inside.astype(float)
-    bands = [np.column_stack([one, band * one[:, None]]) for band in values]
-    return np.stack(
-        [[part.T @ part for part in np.array_split(band, parts)] for band in bands], axis=1
-    )
-
-
-def _left_out(
-    sums: FloatArray, sizes: tuple[int, ...], noise: float, width_hz: FloatArray
-) -> FloatArray:
-    """Logarithm of the odds from all parts, then from all but each."""
-    whole = sums.sum(axis=0)
-    kept = np.concatenate([whole[None], whole - sums])
-    weight = _weight(kept[:, :, 0, 0], width_hz, sum(sizes))
-    return np.asarray((weight * _total_correlation(kept, sizes, noise)).sum(axis=1))
-
-
-def _total_correlation(sums: FloatArray, sizes: tuple[int, ...], noise: float) -> FloatArray:
-    """Information that groups of channels share, in nats per sample, from sums of products.
-
-    Parameters
-    ----------
-    sums : (..., 1 + c, 1 + c) array: of 1 and c channels, summed over the samples
-    sizes : channels of each group
-    noise : standard deviation of a sensor's noise, in the channels' unit
-
-    Returns
-    -------
-    (...) array
-    """
-    count = np.maximum(sums[..., :1, :1], 1.0)
-    mean = sums[..., 0, 1:] / count[..., 0]
-    covariance = sums[..., 1:, 1:] / count - mean[..., :, None] * mean[..., None, :]
-    covariance = covariance + noise**2 * np.eye(covariance.shape[-1])
-    shared = -np.linalg.slogdet(covariance)[1]
-    first = 0
-    for size in sizes:
-        part = slice(first, first + size)
-        shared = shared + np.linalg.slogdet(covariance[..., part, part])[1]
-        first += size
-    return np.asarray(0.5 * shared)
