@@ -49,7 +49,7 @@ CLEAR_ODDS = float(np.log(1000.0))
 CLEAR_SPREAD = 2.0
 """Standard deviations (jackknife) by which it must be better, so that no single moment decides."""
 PEAK_S = 0.3
-"""Lags nearer than this to the best one belong to its peak."""
+"""A first look takes lags nearer than this for one peak; peaks in it are then told apart."""
 FINE_S = 0.01
 """Steps in which peaks beside the best one are looked for."""
 NEAR_S = 0.15
