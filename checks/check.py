@@ -162,6 +162,8 @@ def wheel(step: Step) -> str:
     plainly = ("setpriv", "--bounding-set=-dac_override,-dac_read_search")
     plainly = plainly if os.geteuid() == 0 else ()
     bare = {"PATH": f"{programs}:/usr/bin:/bin", "HOME": f"{home}/none", "LANG": "C.UTF-8"}
+    # The README's commands run beside the checkout.
+    (step.folder / "mobility_imu").symlink_to(sources)
     counts = []
     for page in PAGES:
         room = step.folder / Path(page).stem

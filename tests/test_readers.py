@@ -568,7 +568,7 @@ ENGLISH = HEADERS["English"]
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (velocity_csv(("Time (s)", "Linear velocity (km/h)", "Angular velocity")), "km/h"),
+        (velocity_csv(("Time (s)", "Linear velocity (kt)", "Angular velocity")), "no unit that"),
         (velocity_csv(("Time (s)", "Speed (m/s)", "Angular velocity")), "no column for the linear"),
         (velocity_csv(("Time (s)", "Linear velocity", "Turning")), "no column for the angular"),
         (velocity_csv(("Angle (deg)", "Linear v", "Angular v")), "2 columns for the angular"),

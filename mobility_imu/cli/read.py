@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 def read(
     recording: Annotated[
-        Path,
+        list[Path],
         typer.Argument(
             help="File, folder or archive of a session, common beginning of Xsens exports, or "
-            "several files as lever=a.csv,body=b.csv."
+            "several files, which come on one clock: lever=a.csv body=b.csv [clock=same|own]."
         ),
     ],
     output: Annotated[
@@ -39,10 +39,11 @@ def read(
     from mobility_imu.health import examine
     from mobility_imu.readers.recordings import recording_files, understand
 
-    files = (*recording_files(recording), *([] if map_path is None else [map_path]))
+    name = recording if len(recording) > 1 else recording[0]
+    files = (*recording_files(name), *([] if map_path is None else [map_path]))
     outputs = Outputs({"--output": output}, files)
     found = understand(
-        recording,
+        name,
         sampling_rate_hz=sampling_rate_hz,
         fill_gaps_s=fill_gaps_s,
         map_path=map_path,

@@ -219,6 +219,10 @@ def tasks(
     sampling_rate_hz: Annotated[
         float | None, typer.Option(help="Hz; for files that have no time column.", min=1)
     ] = None,
+    units: Annotated[
+        str | None,
+        typer.Option(help="Of both velocities, as 'm/s, deg/s'; for headers that state none."),
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Locomotor tasks and a chronogram from a chair's velocities (WheelMove-ID)."""
@@ -232,7 +236,7 @@ def tasks(
     from mobility_imu.wheelchair import identify_tasks, task_events
     from mobility_imu.wheelchair.outcomes import turn_direction
 
-    thresholds, series = read_series(velocity, settings, sampling_rate_hz)
+    thresholds, series = read_series(velocity, settings, sampling_rate_hz, units)
     found = identify_tasks(series, thresholds, edge=edge)
     warn(found.warnings)
     table = found.to_frame()
@@ -253,7 +257,10 @@ def tasks(
 
 
 def read_series(
-    velocity: Path, settings: Path | None, sampling_rate_hz: float | None
+    velocity: Path,
+    settings: Path | None,
+    sampling_rate_hz: float | None,
+    units: str | None = None,
 ) -> tuple[TaskSettings, VelocitySeries]:
     """Settings and velocities, on one sampling rate.
 
@@ -262,6 +269,7 @@ def read_series(
     velocity : CSV of velocities
     settings : JSON of thresholds, or None for the document's
     sampling_rate_hz : Hz, for a CSV without a time column; None takes it from the settings
+    units : of both velocities, for a CSV whose header states none
 
     Returns
     -------
@@ -277,10 +285,12 @@ def read_series(
     from mobility_imu.wheelchair import TaskSettings, read_settings
 
     if settings is None:
-        return TaskSettings(), read_velocities(velocity, sampling_rate_hz=sampling_rate_hz)
+        return TaskSettings(), read_velocities(
+            velocity, sampling_rate_hz=sampling_rate_hz, units=units
+        )
     thresholds, stated_hz = read_settings(settings)
     rate = stated_hz if sampling_rate_hz is None else sampling_rate_hz
-    series = read_velocities(velocity, sampling_rate_hz=rate)
+    series = read_velocities(velocity, sampling_rate_hz=rate, units=units)
     found_hz = series.sampling_rate_hz
     if stated_hz is not None and abs(stated_hz - found_hz) > 0.01 * found_hz:
         raise InputError(

@@ -1,9 +1,11 @@
-"""Clocks of recordings: sampling rates that can be, and gaps that are filled."""
+"""Clocks of recordings: rates that can be, gaps that are filled, sensors that come on one clock."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +13,11 @@ from numpy.typing import NDArray
 from mobility_imu.errors import InputError
 from mobility_imu.frames import GAP_FACTOR, FloatArray, as_number, shown
 from mobility_imu.readers.streams import Stream
+from mobility_imu.readers.wording import quoted
 from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu, Recording
+
+if TYPE_CHECKING:
+    from mobility_imu.readers.lags import ClockLag
 
 LONGEST_FILL_S = 60.0
 """A straight line over a longer gap says nothing of the motion."""
@@ -140,8 +146,11 @@ def fill_gaps(
 
 def one_clock(
     streams: Mapping[str, Stream], source: str, *, fill_gaps_s: float = 0.0
-) -> tuple[Recording, tuple[str, ...]]:
+) -> tuple[Recording, tuple[str, ...], dict[str, ClockLag]]:
     """Recording of sensors that may each have a clock of its own.
+
+    Sensors whose streams name different clocks, and sensors that share no time, are joined by
+    their movement (:mod:`~mobility_imu.readers.lags`); a warning says by how much they were moved.
 
     Samples stay as they are if all sensors have the same times and these count samples or are
     increasing without gaps. Otherwise the sensors are interpolated to one even clock at the rate
@@ -157,14 +166,18 @@ def one_clock(
     Returns
     -------
     recording : Recording, from 0 s unless the times were kept
-    warnings : of the readers, and what was interpolated
+    warnings : of the readers, what was interpolated, and lags that were found
+    lags : sensor name to its clock's lag and drift, for sensors that were joined by their movement
 
     Raises
     ------
     InputError
-        Gaps, sensors that share no time, and whatever a Recording refuses.
+        Gaps, sensors whose lag the movement does not show, and whatever a Recording refuses.
     """
     said = [sentence for stream in streams.values() for sentence in stream.warnings]
+    streams, lags = _by_movement(streams, source)
+    if lags:
+        said.append(f"{source}: joined by their movement: {_lags_said(lags)}")
     first = next(iter(streams.values()))
     same = all(
         stream.time_s is first.time_s or np.array_equal(stream.time_s, first.time_s, equal_nan=True)
@@ -177,7 +190,7 @@ def one_clock(
             time_s, sensors = fill_gaps(time_s, sensors, fill_gaps_s, source)
         recording = Recording(time_s, sensors, source=source)
         check_rate(recording.sampling_rate_hz, source, clock=True)
-        return recording, tuple(said)
+        return recording, tuple(said), lags
     longest = max(fill_gaps_s, LONGEST_SILENT_GAP_S)
     rates = []
     for name, stream in streams.items():
@@ -196,7 +209,46 @@ def one_clock(
     rate = check_rate(min(rates), source, clock=True)
     recording, found = join_streams(streams, rate, source=source)
     said.append(f"{source}: interpolated to an even clock of {rate:.5g} Hz, for {_why(streams)}")
-    return recording, tuple(dict.fromkeys([*found, *said]))
+    return recording, tuple(dict.fromkeys([*found, *said])), lags
+
+
+def _by_movement(
+    streams: Mapping[str, Stream], source: str
+) -> tuple[Mapping[str, Stream], dict[str, ClockLag]]:
+    """Streams with stamps of one clock, and lags of those whose stamps were changed."""
+    clocks: dict[str, list[str]] = {}
+    for name, stream in streams.items():
+        clocks.setdefault(stream.clock, []).append(name)
+    groups = list(clocks.values())
+    if len(groups) == 1 and not any(stream.counted for stream in streams.values()):
+        begin = max(float(stream.time_s.min()) for stream in streams.values())
+        if not begin < min(float(stream.time_s.max()) for stream in streams.values()):
+            groups = [[name] for name in streams]
+    if len(groups) <= 1:
+        return streams, {}
+    from mobility_imu.readers.lags import find_lags  # loads scipy.signal
+
+    lags = find_lags(streams, groups, source)
+    moved = {name: lag for names, lag in zip(groups[1:], lags[1:], strict=True) for name in names}
+    joined = {
+        name: replace(
+            stream, time_s=moved[name].times(stream.time_s) if name in moved else stream.time_s,
+            counted=False,
+        )
+        for name, stream in streams.items()
+    }  # fmt: skip
+    return joined, moved
+
+
+def _lags_said(lags: Mapping[str, ClockLag]) -> str:
+    parts = []
+    for name, lag in lags.items():
+        text = f"{quoted(name)} lags by {lag.lag_s:.4f} ± {max(lag.lag_sd_s, 1e-4):.4f} s"
+        if lag.drift:
+            way = "fast" if lag.drift > 0 else "slow"
+            text += f", clock {1e6 * abs(lag.drift):.0f} ± {1e6 * lag.drift_sd:.0f} ppm {way}"
+        parts.append(text)
+    return "; ".join(parts)
 
 
 def _rate(step: FloatArray) -> float:

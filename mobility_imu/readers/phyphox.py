@@ -95,7 +95,6 @@ def read_phyphox(files: Mapping[str, str], source: str, asked: Asked) -> tuple[S
 
 def _halves(text: str, source: str) -> tuple[Half | None, Half | None]:
     names = find_layout(text, source).names
-    asked = Asked()
     if find_triple([n for n in names if re.match("linear", n, re.I)], LINEAR, source):
         raise InputError(
             f"{source}: accelerations without gravity; record 'Acceleration (with g)' in phyphox"
@@ -108,5 +107,5 @@ def _halves(text: str, source: str) -> tuple[Half | None, Half | None]:
             continue
         table = parse_numbers(text, source=source, wanted={TIME, *triple.names}.__contains__)
         time_s = table.columns([TIME])[:, 0]
-        found.append(Half(time_s, vectors(table, triple, quantity, asked), source))
+        found.append(Half(time_s, vectors(table, triple, quantity), source))
     return found[0], found[1]

@@ -14,7 +14,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.streams import Asked, factor
+from mobility_imu.readers.streams import FACTORS, factor
 from mobility_imu.readers.table import NumberTable
 from mobility_imu.readers.wording import listed
 
@@ -72,18 +72,14 @@ def find_triple(names: Sequence[str], pattern: str, source: str) -> Triple | Non
     return Triple((found["x"], found["y"], found["z"]), units.pop())
 
 
-def vectors(
-    table: NumberTable, triple: Triple, quantity: str, asked: Asked, *, unit: str = ""
-) -> FloatArray:
-    """Readings in m/s² or rad/s; a unit that nobody states is asked for.
+def vectors(table: NumberTable, triple: Triple, quantity: str) -> FloatArray:
+    """Readings in m/s² or rad/s; a file that states no unit is to be read by a map.
 
     Parameters
     ----------
     table : the file's columns
     triple : the three columns
     quantity : "acc" or "gyr"
-    asked : with the units that the user gave, which count where the file states none
-    unit : what the format's documentation says, for files whose names state none
 
     Returns
     -------
@@ -94,12 +90,10 @@ def vectors(
     InputError
         If the unit is not known or not stated.
     """
-    stated = triple.unit or unit or asked.unit(quantity)
-    if not stated:
+    if not triple.unit:
         what = "accelerations" if quantity == "acc" else "angular rates"
-        choice = "m/s2, g or mg" if quantity == "acc" else "rad/s or deg/s"
         raise InputError(
-            f"{table.source}: column {triple.names[0]} states no unit for the {what}; give it with "
-            f"--unit {quantity}=... ({choice})"
+            f"{table.source}: column {triple.names[0]} states no unit for the {what}; name it as "
+            f"{quantity}_unit in a map ({', '.join(FACTORS[quantity])}; mobility-imu read --map)"
         )
-    return np.asarray(table.columns(triple.names) * factor(quantity, stated, table.source))
+    return np.asarray(table.columns(triple.names) * factor(quantity, triple.unit, table.source))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
@@ -14,12 +15,21 @@ from mobility_imu.readers.clocks import check_fill, check_rate, one_clock
 from mobility_imu.readers.column_map import read_mapped
 from mobility_imu.readers.formats import find_format
 from mobility_imu.readers.sessions import is_session, read_session, session_files
-from mobility_imu.readers.streams import FACTORS, Asked, Stream, factor
+from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import read_text
 from mobility_imu.readers.wording import listed, quoted
-from mobility_imu.readers.xsens_mt import is_xsens_mt, join_exports, parse_export
+from mobility_imu.readers.xsens_mt import (
+    Export,
+    is_xsens_mt,
+    join_exports,
+    parse_export,
+    share_packets,
+)
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
+
+if TYPE_CHECKING:
+    from mobility_imu.readers.lags import ClockLag
 
 SENSOR_WORDS = {
     "left_wheel": ("left", "gauche", "izquierda", "links"),
@@ -31,6 +41,11 @@ SENSOR_WORDS = {
 """Words in a file's or folder's name, or in a vendor's label, that tell which sensor it is."""
 DEVICES = (("frame", "left_wheel", "right_wheel"), ("lever", "body"))
 MOST_SENSORS = 12
+CLOCK, SAME_CLOCK, OWN_CLOCK = "clock", "same", "own"
+"""``clock=same`` among several files: their stamps come from one clock, or from one trigger.
+``clock=own``: each sensor has a clock of its own, also where a file or session holds several."""
+Named = str | Path | Sequence[str | Path]
+"""What names a recording."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,22 +58,23 @@ class Reading(Result):
     format : name of the format
     labels : sensor name to what the file calls it
     rate_from : where the sampling rate comes from
-    warnings : what was left out, reversed, interpolated or found odd
+    lags : sensor name to its clock's lag, for sensors that were joined by their movement
+    warnings : what was left out, reversed, interpolated, joined or found odd
     """
 
     recording: Recording
     format: str
     labels: Mapping[str, str]
     rate_from: str
+    lags: Mapping[str, ClockLag] = field(default_factory=dict, kw_only=True)
     warnings: tuple[str, ...] = field(default=(), kw_only=True)
 
 
 def read_recording(
-    path: str | Path,
+    path: str | Path | Sequence[str | Path],
     *,
     sampling_rate_hz: float | None = None,
     fill_gaps_s: float = 0.0,
-    units: Mapping[str, str] | None = None,
     expected: Sequence[str] = (),
 ) -> Recording:
     """Read a recording in any format that the package knows; warnings say what was odd.
@@ -67,10 +83,11 @@ def read_recording(
     ----------
     path : a file, a folder or archive of a session, the common beginning of the names of several
         Xsens exports (``Trial`` for ``Trial-Frame.txt``, ``Trial-LeftWheel.txt``, ...), or several
-        files as ``lever=a.csv,body=b.csv``
+        files, in a list or as ``lever=a.csv,body=b.csv``. Files of several sensors each have a
+        clock of their own, and are joined by their movement. With ``clock=same`` among them their
+        stamps are believed; with ``clock=own`` those of one file or session are not either
     sampling_rate_hz : Hz, for formats without a clock; such a file is refused without it
     fill_gaps_s : gaps up to this length are filled by linear interpolation; 0 refuses any gap
-    units : quantity ("acc", "gyr") to its unit, for files that state none
     expected : names of sensors that are wanted; a sensor without a telling name gets them in order
 
     Returns
@@ -87,7 +104,6 @@ def read_recording(
         path,
         sampling_rate_hz=sampling_rate_hz,
         fill_gaps_s=fill_gaps_s,
-        units=units,
         expected=expected,
     )
     for sentence in found.warnings:
@@ -96,11 +112,10 @@ def read_recording(
 
 
 def understand(
-    path: str | Path,
+    path: Named,
     *,
     sampling_rate_hz: float | None = None,
     fill_gaps_s: float = 0.0,
-    units: Mapping[str, str] | None = None,
     expected: Sequence[str] = (),
     map_path: str | Path | None = None,
 ) -> Reading:
@@ -108,7 +123,7 @@ def understand(
 
     Parameters
     ----------
-    path, sampling_rate_hz, fill_gaps_s, units, expected : as in :func:`read_recording`
+    path, sampling_rate_hz, fill_gaps_s, expected : as in :func:`read_recording`
     map_path : TOML file that says which column is what, for tables of no known format
         (:mod:`mobility_imu.readers.column_map`)
 
@@ -121,55 +136,96 @@ def understand(
     InputError
         As :func:`read_recording`.
     """
-    source = str(path)
+    source = _text(path)
     if sampling_rate_hz is not None:
         check_rate(sampling_rate_hz, source)
     check_fill(fill_gaps_s)
-    asked = Asked(sampling_rate_hz, tuple(sorted(_checked_units(units, source).items())))
-    form, streams, are_named = _streams(path, asked, map_path)
+    form, streams, are_named = _streams(path, Asked(sampling_rate_hz), map_path)
     named, said = _named(streams, expected, source, are_named=are_named)
-    recording, found = one_clock(named, source, fill_gaps_s=fill_gaps_s)
+    recording, found, lags = one_clock(named, source, fill_gaps_s=fill_gaps_s)
     return Reading(
         recording,
         form,
         {name: stream.label for name, stream in named.items()},
         ", ".join(dict.fromkeys(stream.rate_from for stream in streams)),
+        lags=lags,
         warnings=(*said, *found),
     )
 
 
-def _checked_units(units: Mapping[str, str] | None, source: str) -> dict[str, str]:
-    for quantity, unit in (units or {}).items():
-        if quantity not in FACTORS:
-            raise InputError(f"{source}: unit of '{quantity}'; expected {', '.join(FACTORS)}")
-        factor(quantity, unit, source)
-    return dict(units or {})
+def _text(path: Named) -> str:
+    """What was given, as messages show it."""
+    if isinstance(path, list | tuple) and len(path) > 1:
+        return ",".join(str(as_path(part)) for part in path)
+    return str(as_path(path))  # type: ignore[arg-type]
 
 
 def _streams(
-    path: str | Path, asked: Asked, map_path: str | Path | None
+    path: Named, asked: Asked, map_path: str | Path | None
 ) -> tuple[str, tuple[Stream, ...], bool]:
     """Format and sensors of everything that a path names, and whether these bear our names."""
-    whole = as_path(path)
-    several = None if _is_there(whole) or is_session(whole) else _pairs(str(path))
+    several = _several(path)
     if several:
-        forms: list[str] = []
-        streams: list[Stream] = []
-        for sensor, file in several:
-            file, label = _file_and_label(file)
-            form, found, _ = _streams(file, asked, map_path)
-            if label is not None:
-                found = tuple(stream for stream in found if stream.label == label)
-            if len(found) != 1:
-                raise InputError(
-                    f"{file}: {len(found)} sensors, expected one for '{sensor}'; name it as in "
-                    f"{sensor}={file}#LABEL"
-                )
-            forms.append(form)
-            streams.append(_called(found[0], sensor))
-        return ", ".join(dict.fromkeys(forms)), tuple(streams), True
+        return _streams_of_several(several, asked, map_path)
+    path = as_path(_text(path))
+    form, streams, are_named = _streams_of_one(path, asked, map_path)
+    return form, tuple(s.called(s.label, clock=str(path)) for s in streams), are_named
+
+
+def _streams_of_several(
+    parts: Sequence[tuple[str, str]], asked: Asked, map_path: str | Path | None
+) -> tuple[str, tuple[Stream, ...], bool]:
+    """Format and sensors of several files, each with its sensor's name, or without one."""
+    clock = next((value for sensor, value in parts if sensor == CLOCK), None)
+    parts = [(sensor, file) for sensor, file in parts if sensor != CLOCK]
+    exports = {} if clock else _exports_of_one_receiver(parts)
+    if exports:
+        return "Xsens MT Manager", join_exports(exports, asked), True
+    forms: list[str] = []
+    streams: list[Stream] = []
+    for sensor, whole in parts:
+        file, label = _file_and_label(whole)
+        form, found, are_named = _streams(file, asked, map_path)
+        if label is not None:
+            found = tuple(stream for stream in found if stream.label == label)
+        if (sensor or label is not None) and len(found) != 1:
+            raise InputError(
+                f"{file}: {len(found)} sensors, expected one for '{sensor or label}'; name it as "
+                f"in {sensor or 'frame'}={file}#LABEL"
+            )
+        forms.append(form)
+        for stream in found:
+            own = stream.label if are_named and len(found) > 1 else ""
+            name = sensor or own or _name_of(as_path(file), stream.label)
+            clocks = {SAME_CLOCK: "", OWN_CLOCK: name}
+            streams.append(stream.called(name, clock=clocks.get(clock or "")))
+    return ", ".join(dict.fromkeys(forms)), tuple(streams), True
+
+
+def _exports_of_one_receiver(parts: Sequence[tuple[str, str]]) -> dict[str, Export]:
+    """Xsens exports, by sensor, whose packet counter is a common clock; empty for other files."""
+    files = [as_path(file) for _, file in parts]
+    names = [sensor or _name_of(file, "") for (sensor, _), file in zip(parts, files, strict=True)]
+    if len(set(names)) < len(names) or not all(
+        file.is_file() and is_xsens_mt(_first_line(file)) for file in files
+    ):
+        return {}
+    exports = {n: parse_export(read_text(f), str(f)) for n, f in zip(names, files, strict=True)}
+    return exports if share_packets(exports) else {}
+
+
+def _name_of(file: Path, label: str) -> str:
+    """Sensor that a label or a file's name tells, or one of these as a name."""
+    plain = re.sub(r"\W+", "_", label or file.stem).strip("_")
+    return _by_words(label) or _by_words(file.stem) or plain or "sensor"
+
+
+def _streams_of_one(
+    whole: Path, asked: Asked, map_path: str | Path | None
+) -> tuple[str, tuple[Stream, ...], bool]:
+    """Format and sensors of one file, session or prefix, and whether these bear our names."""
     if map_path is not None:
-        return "mapped CSV", read_mapped(read_text(whole), str(path), map_path), True
+        return "mapped CSV", read_mapped(read_text(whole), str(whole), map_path), True
     if not _is_there(whole):
         if is_session(whole):
             return (*read_session(whole, asked), False)
@@ -180,24 +236,49 @@ def _streams(
             }
             return "Xsens MT Manager", join_exports(exports, asked), True
         what = "is a folder" if _is_folder(whole) else "no such file"
-        raise InputError(f"{path}: {what}, and no Xsens exports whose names begin like this")
+        raise InputError(f"{whole}: {what}, and no Xsens exports whose names begin like this")
     if is_session(whole):
         return (*read_session(whole, asked), False)
     text = read_text(whole)
-    known = find_format(text, str(path))
-    return known.name, known.read(text, str(path), asked), known.names_sensors
+    known = find_format(text, str(whole))
+    return known.name, known.read(text, str(whole), asked), known.names_sensors
 
 
-def _pairs(text: str) -> list[tuple[str, str]]:
-    """Sensors and files of ``lever=a.csv,body=b.csv``; empty if a text is nothing like it."""
-    parts = text.split(",")
-    found = [re.fullmatch(r"(\w+)=(.+)", part) for part in parts]
-    if not all(found) or len(parts) > MOST_SENSORS:
+def _several(path: Named) -> list[tuple[str, str]]:
+    """Sensors and files where several are given; empty where it is one."""
+    text = _text(path)
+    if isinstance(path, list | tuple):
+        return _pairs([str(part) for part in path], loose=True)
+    whole = as_path(text)
+    if _is_there(whole) or is_session(whole):
         return []
-    pairs = [(match[1], match[2]) for match in found if match]
-    names = [name for name, _ in pairs]
+    return _pairs(text.split(","), loose=f",{CLOCK}=" in text)
+
+
+def _pairs(parts: Sequence[str], *, loose: bool = False) -> list[tuple[str, str]]:
+    """Sensors and files of ``lever=a.csv``, ``body=b.csv``; empty if a part is nothing like it.
+
+    Where that is loose, a part may be a file alone.
+    """
+    found = [re.fullmatch(r"(\w+)=(.+)", part) for part in parts]
+    if not (loose or (all(found) and len(parts) <= MOST_SENSORS)):
+        return []
+    if len(parts) > MOST_SENSORS:
+        raise InputError(f"{len(parts)} files, expected at most {MOST_SENSORS}")
+    pairs = [
+        (match[1], match[2]) if match and not _is_there(as_path(part)) else ("", part)
+        for match, part in zip(found, parts, strict=True)
+    ]
+    names = [name for name, _ in pairs if name]
     if len(set(names)) < len(names):
-        raise InputError(f"{quoted(text)}: a sensor is named twice")
+        raise InputError(f"{quoted(','.join(parts))}: a sensor is named twice")
+    for name, value in pairs:
+        if name == CLOCK and value not in (SAME_CLOCK, OWN_CLOCK):
+            raise InputError(
+                f"{CLOCK}={quoted(value)}: expected {CLOCK}={SAME_CLOCK} or {CLOCK}={OWN_CLOCK}"
+            )
+    if not any(name != CLOCK for name, _ in pairs):
+        raise InputError(f"{quoted(','.join(parts))}: no file")
     return pairs
 
 
@@ -207,13 +288,6 @@ def _file_and_label(text: str) -> tuple[str, str | None]:
         return text, None
     file, _, label = text.rpartition("#")
     return file, label
-
-
-def _called(stream: Stream, label: str) -> Stream:
-    return Stream(
-        stream.time_s, stream.acc_mps2, stream.gyr_radps, source=stream.source, label=label,
-        warnings=stream.warnings, rate_from=stream.rate_from, counted=stream.counted,
-    )  # fmt: skip
 
 
 def _named(
@@ -263,7 +337,7 @@ def _by_words(label: str) -> str | None:
     return found[0] if len(found) == 1 else None
 
 
-def recording_files(path: str | Path) -> list[Path]:
+def recording_files(path: str | Path | Sequence[str | Path]) -> list[Path]:
     """Files that :func:`read_recording` opens for a name.
 
     Parameters
@@ -274,18 +348,18 @@ def recording_files(path: str | Path) -> list[Path]:
     -------
     list of Path, empty if there is no such recording
     """
-    whole = as_path(path)
+    several = _several(path)
+    if several:
+        return [
+            file
+            for sensor, name in several
+            if sensor != CLOCK
+            for file in recording_files(_file_and_label(name)[0])
+        ]
+    whole = as_path(_text(path))
     if is_session(whole):
         return session_files(whole)
-    if _is_there(whole):
-        return [whole]
-    pairs = _pairs(str(path))
-    files: Iterable[Path] = (
-        [f for _, name in pairs for f in recording_files(_file_and_label(name)[0])]
-        if pairs
-        else _xsens_parts(whole).values()
-    )
-    return list(files)
+    return [whole] if _is_there(whole) else list(_xsens_parts(whole).values())
 
 
 def _is_there(path: Path) -> bool:

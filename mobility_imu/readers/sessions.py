@@ -55,7 +55,7 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
         for name in inertial:
             label = PurePosixPath(name).parent.name or path.stem
             (stream,) = read_xio(text(name), f"{path.name}/{name}", asked)
-            streams.append(_labelled(stream, label))
+            streams.append(stream.called(label))
         return "x-io session", tuple(streams)
     tables = {PurePosixPath(n).stem: n for n in names if n.lower().endswith(".csv")}
     if len(tables) > MOST_FILES:
@@ -108,13 +108,6 @@ def _or_empty(text: Callable[[str], str], name: str) -> str:
 
 def _head(text: str) -> str:
     return text.lstrip().partition("\n")[0]
-
-
-def _labelled(stream: Stream, label: str) -> Stream:
-    return Stream(
-        stream.time_s, stream.acc_mps2, stream.gyr_radps, source=stream.source, label=label,
-        warnings=stream.warnings, rate_from=stream.rate_from, counted=stream.counted,
-    )  # fmt: skip
 
 
 def is_session(path: Path) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +31,7 @@ class Stream(Result):
     label : what the file calls the sensor, such as a number or a place on the body
     rate_from : where the sampling rate comes from
     counted : whether the times count samples, so that every step longer than one is a loss
+    clock : which clock the stamps come from; streams with the same name here share one
 
     Raises
     ------
@@ -46,6 +47,7 @@ class Stream(Result):
     label: str = field(default="", kw_only=True)
     rate_from: str = field(default="its clock", kw_only=True)
     counted: bool = field(default=False, kw_only=True)
+    clock: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
         """Check shapes and numbers."""
@@ -69,6 +71,20 @@ class Stream(Result):
         """Return the number of samples."""
         return len(self.time_s)
 
+    def called(self, label: str, *, clock: str | None = None) -> Stream:
+        """The same stream under another label.
+
+        Parameters
+        ----------
+        label : name of the sensor
+        clock : which clock its stamps come from; as before if None
+
+        Returns
+        -------
+        Stream
+        """
+        return replace(self, label=label, clock=self.clock if clock is None else clock)
+
 
 class Asked(NamedTuple):
     """What the user says of a file that does not say it itself.
@@ -76,11 +92,9 @@ class Asked(NamedTuple):
     Parameters
     ----------
     sampling_rate_hz : Hz, or None
-    units : quantity ("acc", "gyr") to its unit, such as {"acc": "g"}
     """
 
     sampling_rate_hz: float | None = None
-    units: tuple[tuple[str, str], ...] = ()
 
     def rate(self, source: str, what: str, hint: str = "") -> float:
         """Sampling rate that the user gave, for a file that has no clock.
@@ -106,19 +120,6 @@ class Asked(NamedTuple):
                 "--sampling-rate-hz (sampling_rate_hz in Python)"
             )
         return self.sampling_rate_hz
-
-    def unit(self, quantity: str) -> str | None:
-        """Unit that the user gave for a quantity; None if none was given.
-
-        Parameters
-        ----------
-        quantity : "acc" or "gyr"
-
-        Returns
-        -------
-        str, or None
-        """
-        return dict(self.units).get(quantity)
 
 
 FEWEST_TO_JUDGE = 100

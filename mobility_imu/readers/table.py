@@ -23,6 +23,12 @@ from mobility_imu.readers.layout import Layout, check_names, find_layout, split_
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.results import Result
 
+BINARY = {
+    b"\x89HDF\r\n\x1a\n": "an HDF5 file, as APDM's programs write it",
+    b"PK\x03\x04": "an archive or a workbook",
+    b"MATLAB 5.0": "a MATLAB file",
+}
+"""How files begin that hold numbers, but no text."""
 _BLANKS = " \t\r\v\f"
 """What the parser of numbers passes over; a space that is not to be broken is none of them."""
 _LINE_ENDS = re.compile(r"\r\n|\r|\n")
@@ -82,6 +88,9 @@ def decoded(raw: bytes, source: str) -> str:
     InputError
         If it is empty or not text.
     """
+    kind = next((kind for begin, kind in BINARY.items() if raw.startswith(begin)), None)
+    if kind is not None:
+        raise InputError(f"{source}: is {kind}; export the recording as CSV and read that")
     try:
         text = _as_text(raw)
     except UnicodeDecodeError as error:

@@ -189,6 +189,24 @@ def parse_export(text: str, source: str) -> Export:
     )
 
 
+def share_packets(exports: Mapping[str, Export]) -> bool:
+    """Whether the sensors count packets together, as those of one receiver do.
+
+    Parameters
+    ----------
+    exports : sensor name to its file
+
+    Returns
+    -------
+    bool
+    """
+    counters = [export.counter for export in exports.values()]
+    if any(counter is None for counter in counters):
+        return False
+    common = set.intersection(*(set(np.mod(c, COUNTER_RANGE)) for c in counters if c is not None))
+    return 2 * len(common) > min(len(c) for c in counters if c is not None)
+
+
 def join_exports(exports: Mapping[str, Export], asked: Asked) -> tuple[Stream, ...]:
     """Sensors of one session on the packet counter that they share.
 

@@ -135,3 +135,17 @@ def test_bad_input(tmp_path, fails):
     figure = ["v.csv", "-o", "t.csv", "--figure", "chronogram.xyz"]
     fails("wheelchair", "tasks", *figure, says=["--figure", ".png"])
     fails("wheelchair", "tasks", "v.csv", "-o", "none/t.csv", says=["no such folder"])
+
+
+def test_units_of_velocities_are_asked_for(tmp_path, works, fails):
+    velocity_csv(tmp_path / "own.csv")
+    text = (tmp_path / "own.csv").read_text()
+    bare = text.replace("_mps", "").replace("_degps", "")
+    (tmp_path / "v.csv").write_text(bare)
+    fails(
+        *["wheelchair", "tasks", "v.csv", "-o", "t.csv"],
+        says=["linear_velocity states no unit", "--units 'm/s, deg/s'"],
+    )
+    works("wheelchair", "tasks", "v.csv", "--units", "m/s, deg/s", "-o", "t.csv", "--quiet")
+    works("wheelchair", "tasks", "own.csv", "-o", "same.csv", "--quiet")
+    assert (tmp_path / "t.csv").read_bytes() == (tmp_path / "same.csv").read_bytes()

@@ -141,6 +141,21 @@ def test_files_of_a_recording(tmp_path):
     assert sorted(recording_files(tmp_path / "Trial")) == parts
 
 
+@pytest.mark.parametrize(
+    ("begin", "says"),
+    [
+        (b"\x89HDF\r\n\x1a\n\x00\x00\x00\x00", "is an HDF5 file, as APDM's programs write it"),
+        (b"PK\x03\x04\x14\x00\x06\x00", "is an archive or a workbook"),
+        (b"MATLAB 5.0 MAT-file, Platform: GLNXA64", "is a MATLAB file"),
+    ],
+)
+def test_what_is_no_text_is_to_be_exported(tmp_path, begin, says):
+    path = tmp_path / "20260101-walk.h5"
+    path.write_bytes(begin + bytes(500))
+    for reader in (read_recording, read_velocities, read_text):
+        assert f"{says}; export the recording as CSV" in refused(reader, path)
+
+
 # Tables
 
 
@@ -281,7 +296,7 @@ def test_no_more_samples_are_filled_in_than_there_are(tmp_path):
 @pytest.mark.parametrize("factor", [1e300, 1e307, 1e-310, 1e-12])
 def test_clocks_of_velocities_that_are_none(tmp_path, factor):
     rows = [f"{k * factor},1,2" for k in range(-9, 9)]
-    path = write(tmp_path / "v.csv", "\n".join(["time_s,linear,angular", *rows]))
+    path = write(tmp_path / "v.csv", "\n".join(["time_s,linear (m/s),angular (deg/s)", *rows]))
     refused(read_velocities, path)
 
 
@@ -436,8 +451,75 @@ def test_decimal_commas_are_guessed_where_there_can_be_any(separator, guess):
     assert ("decimal commas" in str(error.value)) == guess
 
 
-def test_a_rate_without_a_unit_is_told(tmp_path):
-    path = write(tmp_path / "v.csv", "time,linear,angular\n0,1,90\n0.01,1,90\n")
-    with pytest.warns(UserWarning, match="column angular states no unit and is taken for deg/s"):
-        series = read_velocities(path)
-    assert series.yaw_rate_radps == pytest.approx(np.pi / 2)
+# Units of velocities
+
+
+def velocities(folder, linear, angular, rows="0,1.5,-90\n0.01,1.5,-90\n"):
+    return write(folder / "v.csv", f"time_s,{linear},{angular}\n{rows}")
+
+
+@pytest.mark.parametrize(
+    ("linear", "angular", "says"),
+    [
+        ("linear", "angular (deg/s)", "column linear states no unit that is known"),
+        ("linear (m/s)", "angular", "column angular states no unit that is known"),
+        ("Linear velocity (mph)", "angular (deg/s)", r"column Linear velocity \(mph\) states no"),
+        ("linear (m/s)", "angular (grad/s)", "states no unit that is known"),
+        ("linear (m/s)", "angular (rpm)", "states no unit that is known"),
+    ],
+)
+def test_a_unit_of_a_velocity_is_asked_for(tmp_path, linear, angular, says):
+    path = velocities(tmp_path, linear, angular)
+    with pytest.raises(InputError, match=f"{says}.*--units 'm/s, deg/s'"):
+        read_velocities(path)
+    given = read_velocities(path, units="m/s, deg/s")
+    assert given.linear_velocity_mps == pytest.approx(1.5)
+    assert given.yaw_rate_radps == pytest.approx(-np.pi / 2)
+
+
+@pytest.mark.parametrize(
+    ("linear", "mps"),
+    [
+        ("linear (m/s)", 1.5), ("lin_mps", 1.5), ("linear [m.s-1]", 1.5), ("linear m s^-1", 1.5),
+        ("linear (km/h)", 1.5 / 3.6), ("linear_kmh", 1.5 / 3.6), ("linear (km.h-1)", 1.5 / 3.6),
+        ("linear (cm/s)", 0.015), ("linear (mm/s)", 0.0015), ("linear (m·s⁻¹)", 1.5),
+    ],
+)  # fmt: skip
+def test_units_of_a_speed(tmp_path, linear, mps):
+    found = read_velocities(velocities(tmp_path, linear, "angular (deg/s)"))
+    assert found.linear_velocity_mps == pytest.approx(mps, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("angular", "radps"),
+    [
+        ("angular (deg/s)", -np.pi / 2), ("yaw_rate_degps", -np.pi / 2), ("yaw °/s", -np.pi / 2),
+        ("angular (rad/s)", -30.0), ("yaw_rate_radps", -30.0), ("angular (mrad/s)", -0.03),
+        ("angular (º.s-1)", -np.pi / 2),
+    ],
+)  # fmt: skip
+def test_units_of_a_yaw_rate(tmp_path, angular, radps):
+    rows = "0,1,{0}\n0.01,1,{0}\n".format(-30 if "rad" in angular else -90)
+    found = read_velocities(velocities(tmp_path, "linear (m/s)", angular, rows))
+    assert found.yaw_rate_radps == pytest.approx(radps, rel=1e-12)
+
+
+def test_a_unit_that_is_given_and_stated_must_be_one(tmp_path):
+    path = velocities(tmp_path, "linear (m/s)", "angular (deg/s)")
+    with pytest.raises(InputError, match=r"angular \(deg/s\) is in deg/s, but --units says rad/s"):
+        read_velocities(path, units="m/s, rad/s")
+    for wrong in ("m/s", "deg/s, m/s", "m/s, deg/s, s", "", 3, "m/s, rpm"):
+        with pytest.raises(InputError, match=r"units: got .*'m/s, deg/s'"):
+            read_velocities(path, units=wrong)
+
+
+@pytest.mark.parametrize(
+    ("rows", "says"),
+    [
+        ("0,1,2\n0.01,1e6,2\n", r"line 3, column linear \(m/s\): 1e\+06 m/s, more than any chair"),
+        ("0,1,2\n0.01,1,-5000\n", r"line 3, column angular \(deg/s\): -5000 deg/s, more"),
+    ],
+)
+def test_a_single_velocity_that_no_chair_has(tmp_path, rows, says):
+    with pytest.raises(InputError, match=says):
+        read_velocities(velocities(tmp_path, "linear (m/s)", "angular (deg/s)", rows))

@@ -10,7 +10,9 @@ import pytest
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2 as G
+from mobility_imu.readers.quantities import find_triple, vectors
 from mobility_imu.readers.recordings import read_recording, recording_files, understand
+from mobility_imu.readers.table import parse_numbers
 from mobility_imu.recording import Imu, Recording
 
 RATE_HZ, COUNT = 100, 400
@@ -111,9 +113,47 @@ def test_files_of_different_vendors_may_be_named_one_by_one(tmp_path):
         one = Recording(both.time_s, {"frame": both.sensor(sensor)}, source=sensor)
         parts[sensor] = write(one, tmp_path)
     named = ",".join(f"{sensor}={path}" for sensor, path in parts.items())
-    # Two clocks with no start in common: nothing says how they lie to each other.
-    with pytest.raises(InputError, match="share no time"):
+    # Two clocks with no start in common, and four seconds do not show how they lie to each other.
+    with pytest.raises(InputError, match=r"lever: a recording of 3\.99 s.*add clock=same"):
         quietly(named)
+
+
+def test_a_common_clock_is_believed(tmp_path):
+    both = made(("lever", "body"))
+    parts = []
+    for sensor in both.sensors:
+        one = Recording(both.time_s, {sensor: both.sensor(sensor)}, source=sensor)
+        (tmp_path / sensor).mkdir()
+        parts.append(f"{sensor}={dialects.canonical(one, tmp_path / sensor)}")
+    assert_same(quietly([*parts, "clock=same"]), both)
+    assert_same(quietly(",".join([*parts, "clock=same"])), both)
+    assert len(recording_files([*parts, "clock=same"])) == 2
+    for wrong, says in (
+        ([*parts, "clock=mine"], "clock=mine: expected clock=same or clock=own"),
+        ([*parts, *parts], "named twice"),
+        (["clock=same", "clock=own"], "named twice"),
+        (["a.csv"] * 13, "13 files, expected at most 12"),
+        (["a.csv", "clock=own"], r"a\.csv: no such file"),
+        ("a.csv,clock=own", r"a\.csv: no such file"),
+        (",clock=own", "no such file|is a folder"),
+    ):
+        with pytest.raises(InputError, match=says):
+            quietly(wrong)
+
+
+def test_exports_of_one_receiver_are_joined_on_their_counter(tmp_path):
+    recording = made(DEVICES["wheelchair"])
+    dialects.xsens_mt(recording, tmp_path)
+    left = tmp_path / "MT-LeftWheel.txt"
+    lines = left.read_text().split("\n")
+    left.write_text("\n".join([*lines[:3], *lines[53:]]))  # it starts half a second later
+    names = {"frame": "Frame", "left_wheel": "LeftWheel", "right_wheel": "RightWheel"}
+    found = quietly([f"{sensor}={tmp_path}/MT-{name}.txt" for sensor, name in names.items()])
+    assert len(found) == COUNT - 50
+    for sensor, imu in found.sensors.items():
+        np.testing.assert_allclose(imu.acc_mps2, recording.sensor(sensor).acc_mps2[50:], atol=1e-9)
+    unnamed = quietly([tmp_path / f"MT-{name}.txt" for name in names.values()])
+    assert sorted(unnamed.sensors) == sorted(names)
 
 
 @pytest.mark.parametrize("write", [dialects.sensor_logger, dialects.ngimu, dialects.phyphox])
@@ -247,8 +287,55 @@ def test_units_are_read_and_what_is_no_unit_is_refused(tmp_path):
         InputError, match="acceleration in 'furlong' is not known; expected m/s2, g"
     ):
         understand(path)
-    with pytest.raises(InputError, match="unit of 'speed'"):
-        understand(path, units={"speed": "m/s"})
+
+
+def test_a_table_without_units_is_to_be_read_by_a_map():
+    table = parse_numbers("ax,ay,az\n1,2,3\n", source="a.csv")
+    triple = find_triple(table.header, "a(?P<axis>[xyz])", "a.csv")
+    with pytest.raises(InputError, match=r"column ax states no unit .*acc_unit in a map \(m/s2, g"):
+        vectors(table, triple, "acc")
+
+
+def without_rate(folder):
+    recording = made(DEVICES["wheelchair"])
+    table = {}
+    for sensor, name in zip(
+        recording.sensors, ("Chassis", "RoueGauche", "RoueDroite"), strict=True
+    ):
+        table |= dialects.columns(
+            recording.sensor(sensor),
+            [f"{name}_Acc_{a}" for a in "XYZ"],
+            [f"{name}_Gyr_{a}" for a in "XYZ"],
+        )
+    pd.DataFrame(table).to_csv(folder / "wheelmove.csv", index=False, sep=";")
+    names = [*(f"Gyroscope {a} (deg/s)" for a in "XYZ"), *(f"Accelerometer {a} (g)" for a in "XYZ")]
+    rows = np.hstack(
+        [np.rad2deg(recording.gyroscope("frame")), recording.sensor("frame").acc_mps2 / G]
+    )
+    table = pd.DataFrame(
+        {"Packet number": np.arange(COUNT)} | dict(zip(names, rows.T, strict=True))
+    )
+    table.to_csv(folder / "CalInertialAndMag.csv", index=False)
+    one = Recording(recording.time_s, {"frame": recording.sensor("frame")}, source="made")
+    dialects.xsens_mt(one, folder, head="")
+    return [folder / name for name in ("wheelmove.csv", "CalInertialAndMag.csv", "MT-Frame.txt")]
+
+
+def test_a_format_that_states_no_rate_asks_for_it(tmp_path):
+    for path in without_rate(tmp_path):
+        with pytest.raises(InputError, match=r"states no sampling rate.*--sampling-rate-hz"):
+            understand(path)
+        found = understand(path, sampling_rate_hz=50)
+        assert found.recording.sampling_rate_hz == pytest.approx(50)
+        assert found.rate_from == "given"
+
+
+@pytest.mark.parametrize("write", OF_ONE, ids=lambda w: w.__name__)
+def test_a_rate_that_a_file_states_is_not_replaced(tmp_path, write):
+    """Every other format has a clock or states its rate, so nothing is asked."""
+    found = understand(write(made(), tmp_path), expected=("frame",), sampling_rate_hz=37)
+    assert found.rate_from != "given"
+    assert found.recording.sampling_rate_hz == pytest.approx(RATE_HZ, rel=0.01)
 
 
 MAP = """
