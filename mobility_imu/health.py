@@ -84,9 +84,11 @@ def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:
 
     for half, values, spike, unit in halves:
         label = f"{name}_{half}"
-        frozen = frozen_samples(values, rate, follows=felt if half == "acc" else ())
-        if half == "gyr":
-            frozen = frozen | _silent(imu.acc_mps2, values, rate)
+        frozen = (
+            frozen_samples(values, rate, follows=felt)
+            if half == "acc"
+            else frozen_gyroscope(imu.acc_mps2, values, rate)
+        )
         if frozen.any():
             yield fault_of(
                 recording, "frozen", label, frozen,
@@ -144,6 +146,25 @@ def fault_of(
     where = "" if flags.all() else f" in {int(flags.sum())} samples, first at {first:.2f} s,"
     sentence = f"{recording.source}: {sensor}{where} {what}"
     return Fault(code, sensor, first, flags, sentence, size, unit, repair)
+
+
+def frozen_gyroscope(
+    acc_mps2: FloatArray, gyr_radps: FloatArray, sampling_rate_hz: float
+) -> NDArray[np.bool_]:
+    """Where a gyroscope repeats its last reading, or says one number while gravity turns.
+
+    Parameters
+    ----------
+    acc_mps2, gyr_radps : (n, 3) arrays, m/s² and rad/s, of one sensor
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    return np.asarray(
+        frozen_samples(gyr_radps, sampling_rate_hz) | _silent(acc_mps2, gyr_radps, sampling_rate_hz)
+    )
 
 
 def _silent(acc: FloatArray, gyr: FloatArray, rate_hz: float) -> NDArray[np.bool_]:

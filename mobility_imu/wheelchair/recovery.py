@@ -1,0 +1,358 @@
+"""A gyroscope that fails for a while, replaced by the two others of the chair.
+
+The speeds of the wheels' centres and the chair's yaw rate are tied by one equation,
+r_R Om_R - r_L Om_L = d_c * yaw, as long as no wheel slips: any two of the three give the third.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mobility_imu.frames import FloatArray
+from mobility_imu.health import frozen_gyroscope
+from mobility_imu.offsets import (
+    LARGEST_OFFSET_RADPS,
+    SHORTEST_REST_S,
+    UNKNOWN_OFFSET_SD_RADPS,
+    GyroscopeOffset,
+    gyroscope_offset,
+    rest_flags,
+    rest_offsets,
+)
+from mobility_imu.recording import Recording
+from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
+from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.saturation import saturated_gyroscopes, usable_samples
+from mobility_imu.wheelchair.uncertainty import (
+    UNKNOWN_NOISE_RADPS,
+    AssumedErrors,
+    SpeedUncertainty,
+    one_wheel_standard_deviation,
+    wheel_yaw_standard_deviation,
+)
+
+__all__ = [
+    "failed_gyroscopes",
+    "offsets_without",
+    "recovered",
+    "recovery_warnings",
+    "tied_rate",
+    "unknown_where",
+    "with_gyroscope",
+    "with_recovered_sd",
+]
+
+Flags = NDArray[np.bool_]
+CHAIR = ("frame", "left_wheel", "right_wheel")
+MOSTLY = 0.9
+"""With one wheel alone, an accelerometer that changes in more of the samples has noise; so has the
+gyroscope beside it, and a repetition is none of a steady motion."""
+
+
+def failed_gyroscopes(
+    recording: Recording,
+    sensors: Sequence[str],
+    mount: WheelchairMount,
+    geometry: WheelchairGeometry,
+) -> dict[str, Flags]:
+    """Where gyroscopes repeat their last reading, or are at the end of their range.
+
+    Exact readings of a steady motion, as simulated, repeat themselves as well: a repetition counts
+    if the other gyroscopes contradict it, or if the sensor's accelerometer, on a wheel that turns,
+    repeats itself too.
+
+    Parameters
+    ----------
+    recording : Recording as it came, with offsets
+    sensors : names
+    mount : WheelchairMount
+    geometry : WheelchairGeometry
+
+    Returns
+    -------
+    dict from sensor to (n,) bool array; without the sensors that work throughout
+    """
+    rate = recording.sampling_rate_hz
+    found = dict(saturated_gyroscopes(recording, sensors))
+    frozen = {
+        name: frozen_gyroscope(recording.sensor(name).acc_mps2, recording.gyroscope(name), rate)
+        for name in sensors
+    }
+    if not any(flags.any() for flags in frozen.values()):
+        return found
+    along = _along(recording, sensors, mount)
+    for name, flags in frozen.items():
+        real = _contradicted(recording, name, flags, along, geometry)
+        if real.any():
+            found[name] = found[name] | real if name in found else real
+    return found
+
+
+def _along(
+    recording: Recording, sensors: Sequence[str], mount: WheelchairMount
+) -> dict[str, FloatArray]:
+    """Rates about the chair's vertical and the axles, of those sensors that have a mount."""
+    axes = {
+        "frame": mount.rotation_frame_imu_to_chair,
+        "left_wheel": mount.rotation_left_imu_to_wheel,
+        "right_wheel": mount.rotation_right_imu_to_wheel,
+    }
+    return {
+        name: recording.gyroscope(name) @ rotation[2]
+        for name, rotation in axes.items()
+        if name in sensors and rotation is not None
+    }
+
+
+def _contradicted(
+    recording: Recording,
+    name: str,
+    flags: Flags,
+    along: Mapping[str, FloatArray],
+    geometry: WheelchairGeometry,
+) -> Flags:
+    """Repetitions that the other sensors, or the sensor's own accelerometer, contradict."""
+    real = np.zeros_like(flags)
+    if name not in along:
+        return flags
+    acc = recording.sensor(name).acc_mps2
+    tied = tied_rate(along, name, geometry) if len(along) == len(CHAIR) else None
+    for run in runs_of(flags):
+        turns = name != "frame" and np.abs(along[name][run]).max() > LARGEST_OFFSET_RADPS
+        held = turns and not np.diff(acc[run], axis=0).any()
+        apart = 0.0 if tied is None else np.abs(tied - along[name])[run].max()
+        live = np.diff(acc[run], axis=0).any(axis=1).mean() if tied is None else 0.0
+        real[run] = held or apart > LARGEST_OFFSET_RADPS or live > MOSTLY
+    return real
+
+
+def tied_rate(
+    rates: Mapping[str, FloatArray], sensor: str, geometry: WheelchairGeometry
+) -> FloatArray:
+    """Rate that one of the three gyroscopes has to read, by the two others (eq. 1.18).
+
+    Parameters
+    ----------
+    rates : sensor to (n,) array, rad/s: ``frame`` about the vertical, wheels about their axles as
+        their gyroscopes read it, forward positive
+    sensor : which rate is wanted
+    geometry : WheelchairGeometry
+
+    Returns
+    -------
+    (n,) array, rad/s
+    """
+    left, right = geometry.wheel_radius_m
+    distance = geometry.wheel_centre_distance_m
+    if sensor == "frame":
+        return np.asarray((right * rates["right_wheel"] - left * rates["left_wheel"]) / distance)
+    if sensor == "left_wheel":
+        return np.asarray((right * rates["right_wheel"] - distance * rates["frame"]) / left)
+    return np.asarray((left * rates["left_wheel"] + distance * rates["frame"]) / right)
+
+
+def recovered(
+    rates: Mapping[str, FloatArray], failed: Mapping[str, Flags], geometry: WheelchairGeometry
+) -> tuple[dict[str, FloatArray], dict[str, Flags]]:
+    """Replace what a failed gyroscope reads by what the two others say.
+
+    Parameters
+    ----------
+    rates : sensor to (n, 3) array, rad/s, in the axes of the chair and of the wheels
+    failed : sensor to (n,) bool array
+    geometry : WheelchairGeometry
+
+    Returns
+    -------
+    rates : the same with z replaced, x and y zero, where one of three sensors failed alone
+    lost : sensor to (n,) bool array, where nothing replaces it
+    """
+    new = dict(rates)
+    if not failed:
+        return new, {}
+    if any(name not in rates for name in CHAIR):
+        return new, dict(failed)
+    along = {name: rate[:, 2] for name, rate in rates.items()}
+    together = sum(flags.astype(int) for flags in failed.values())
+    lost = {}
+    for name, flags in failed.items():
+        alone = flags & (together == 1)
+        values = np.array(rates[name])
+        values[alone] = 0.0
+        values[alone, 2] = tied_rate(along, name, geometry)[alone]
+        new[name] = values
+        if (flags & ~alone).any():
+            lost[name] = flags & ~alone
+    return new, lost
+
+
+def recovery_warnings(
+    recording: Recording, failed: Mapping[str, Flags], lost: Mapping[str, Flags]
+) -> tuple[str, ...]:
+    """Sentences on gyroscopes that two others replace, or that nothing replaces.
+
+    Parameters
+    ----------
+    recording : Recording
+    failed : from :func:`failed_gyroscopes`
+    lost : from :func:`recovered`
+
+    Returns
+    -------
+    tuple of str
+    """
+    rate, sentences = recording.sampling_rate_hz, []
+    for name, flags in failed.items():
+        gone = lost.get(name, np.zeros_like(flags))
+        back = flags & ~gone
+        if back.any():
+            others = " and ".join(other for other in CHAIR if other != name)
+            sentences.append(
+                f"{recording.source}: the gyroscope of {name} fails for {back.sum() / rate:.2f} s; "
+                f"{others} replace it there, where slip cannot be seen"
+            )
+    return tuple(sentences)
+
+
+def offsets_without(
+    recording: Recording, sensors: Sequence[str], failed: Mapping[str, Flags]
+) -> dict[str, GyroscopeOffset]:
+    """Offsets at rest; samples in which a gyroscope fails do not count for it.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensors : names
+    failed : from :func:`failed_gyroscopes`
+
+    Returns
+    -------
+    dict from sensor to GyroscopeOffset, as of :func:`~mobility_imu.offsets.rest_offsets`
+    """
+    frozen = {name: flags for name, flags in failed.items() if name in sensors}
+    if not frozen:
+        return rest_offsets(recording, sensors)
+    rate, rest = recording.sampling_rate_hz, np.ones(len(recording), np.bool_)
+    for name in sensors:
+        still = rest_flags(recording.sensor(name).acc_mps2, recording.gyroscope(name), rate)
+        rest &= still | frozen.get(name, np.zeros_like(still))
+    works = ~np.all([frozen.get(name, np.zeros_like(rest)) for name in sensors], axis=0)
+    rest = long_runs(rest & works, max(1, round(SHORTEST_REST_S * rate)), grow=False)
+    found = {}
+    for name in sensors:
+        own = rest & ~frozen.get(name, np.zeros_like(rest))
+        offset = gyroscope_offset(recording.gyroscope(name), own, rate)
+        if offset is not None:
+            found[name] = offset
+    return found
+
+
+def with_recovered_sd(
+    sd: SpeedUncertainty,
+    rates: Mapping[str, FloatArray],
+    failed: Mapping[str, Flags],
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    sampling_rate_hz: float,
+    offsets: Mapping[str, GyroscopeOffset],
+    errors: AssumedErrors,
+) -> SpeedUncertainty:
+    """Standard deviations with those of the replacement where a gyroscope fails.
+
+    Parameters
+    ----------
+    sd : SpeedUncertainty of all three gyroscopes
+    rates : from :func:`recovered`
+    failed : from :func:`failed_gyroscopes`
+    geometry : WheelchairGeometry
+    mount : WheelchairMount
+    sampling_rate_hz : Hz
+    offsets : sensor to GyroscopeOffset that was taken off
+    errors : AssumedErrors
+
+    Returns
+    -------
+    SpeedUncertainty
+    """
+    speed_sd, yaw_sd = sd
+    yaw = rates["frame"][:, 2]
+    for side, other in zip(SIDES, reversed(SIDES), strict=True):
+        if f"{side}_wheel" in failed:
+            alone = one_wheel_standard_deviation(
+                rates[f"{other}_wheel"],
+                yaw,
+                yaw_sd,
+                geometry,
+                mount,
+                sampling_rate_hz,
+                side=other,
+                offset=offsets.get(f"{other}_wheel"),
+                errors=errors,
+            )
+            speed_sd = np.where(failed[f"{side}_wheel"], np.maximum(alone, speed_sd), speed_sd)
+    if "frame" in failed:
+        rims = [
+            r * rates[f"{side}_wheel"][:, 2]
+            for side, r in zip(SIDES, geometry.wheel_radius_m, strict=True)
+        ]
+        of_wheels = wheel_yaw_standard_deviation(
+            yaw,
+            np.mean(rims, axis=0),
+            geometry,
+            gyr_sd_radps=_largest_sd(offsets, mount),
+            radius_sd_m=float(np.hypot(errors.radius_sd, errors.scale_sd))
+            * max(geometry.wheel_radius_m),
+            distance_sd_m=errors.track_sd_m,
+        )
+        yaw_sd = np.where(failed["frame"], of_wheels, yaw_sd)
+    return SpeedUncertainty(speed_sd, yaw_sd)
+
+
+def unknown_where(sd: FloatArray, lost: Mapping[str, Flags], needed: Sequence[str]) -> FloatArray:
+    """Standard deviation, infinite where a sensor that it comes from fails.
+
+    Parameters
+    ----------
+    sd : (n,) array
+    lost : sensor to (n,) bool array
+    needed : names of the sensors that it comes from
+
+    Returns
+    -------
+    (n,) array
+    """
+    flags = {name: lost[name] for name in needed if name in lost}
+    return np.where(usable_samples(len(sd), flags), sd, np.inf)
+
+
+def with_gyroscope(recording: Recording, names: Sequence[str]) -> list[str]:
+    """Sensors of the recording that can be looked at; what is missing is refused later.
+
+    Parameters
+    ----------
+    recording : Recording
+    names : of sensors
+
+    Returns
+    -------
+    list of those that are there and have a gyroscope
+    """
+    sensors = recording.sensors
+    return [n for n in names if n in sensors and sensors[n].gyr_radps is not None]
+
+
+def _largest_sd(offsets: Mapping[str, GyroscopeOffset], mount: WheelchairMount) -> float:
+    """Offset and noise of the worse of the wheels' gyroscopes, rad/s."""
+    sizes = []
+    for side in SIDES:
+        offset, axle = offsets.get(f"{side}_wheel"), mount.rotation_imu_to_wheel(side)[2]
+        sizes.append(
+            np.hypot(UNKNOWN_OFFSET_SD_RADPS, UNKNOWN_NOISE_RADPS)
+            if offset is None
+            else np.hypot(offset.sd_along(axle), offset.noise_along(axle))
+        )
+    return float(max(sizes))

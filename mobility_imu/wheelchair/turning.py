@@ -1,0 +1,199 @@
+"""What a wheel's accelerometer knows of its turning: gravity turns in the wheel's plane.
+
+Up, seen from a wheel, turns backward as the wheel rolls forward. Its angle gives the wheel's spin
+without the gyroscope, and its direction gives the chair's yaw rate without frame and radius: the
+part of the wheel's rate along up in the wheel's plane is yaw rate times cos(camber).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
+
+from mobility_imu.frames import FloatArray, as_number, as_series, as_vectors
+
+__all__ = ["SpinFit", "spin_fit", "upward_angle", "yaw_rate_of_wheel"]
+
+STEADY_S = 0.1
+"""Accelerations are averaged over this: a wheel at 4 m/s turns by a fifth of a turn in it."""
+TIED_S = 1.0
+"""Time over which up is averaged once the gyroscope has turned it back."""
+LEAST_SPIN_RADPS = 0.5
+"""A wheel counts as turning from here on: 0.15 m/s."""
+SHORTEST_TURNING_S = 5.0
+LEAST_TURNED_RAD = 4 * np.pi
+"""Two turns of the wheel, of which gravity's noise (0.1 rad) is less than 1 %."""
+PIECE_S = 2.0
+"""Residuals of one piece depend on each other: a stroke lasts about a second."""
+LARGEST_SCATTER_RAD = 0.6
+"""Larger scatter says that something else turns up, such as a sensor that is loose."""
+
+
+class SpinFit(NamedTuple):
+    """How the spin that gravity shows goes with the gyroscope's.
+
+    Parameters
+    ----------
+    gain, gain_sd : what the gyroscope reads over the true spin, with standard deviation
+    offset_radps, offset_sd_radps : rad/s that it reads too much about the axle
+    scatter_rad : rad, root mean square of the angles about the fit
+    """
+
+    gain: float
+    gain_sd: float
+    offset_radps: float
+    offset_sd_radps: float
+    scatter_rad: float
+
+
+def upward_angle(acc_wheel_mps2: ArrayLike, sampling_rate_hz: float) -> FloatArray:
+    """Angle of up in the wheel's plane, which falls as the wheel rolls forward.
+
+    Parameters
+    ----------
+    acc_wheel_mps2 : (n, 3) array, m/s², in the wheel's frame: z is the axle
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    (n,) array, rad, from the wheel's x axis to its y axis, without jumps
+    """
+    acc = as_vectors(acc_wheel_mps2, "acc_wheel_mps2", ndim=2)
+    width = max(1, round(STEADY_S * as_number(sampling_rate_hz, "sampling_rate_hz")))
+    in_plane = ndimage.uniform_filter1d(acc[:, :2], width, axis=0)
+    return np.unwrap(np.arctan2(in_plane[:, 1], in_plane[:, 0]))
+
+
+def spin_fit(
+    acc_wheel_mps2: ArrayLike, spin_radps: ArrayLike, sampling_rate_hz: float
+) -> SpinFit | None:
+    """Gain and offset of a wheel's gyroscope about its axle, by gravity.
+
+    The angle of up is fitted by the gyroscope's angle, time and a constant. Neither radius nor slip
+    enters: gravity turns with the wheel itself.
+
+    Parameters
+    ----------
+    acc_wheel_mps2 : (n, 3) array, m/s², in the wheel's frame: z is the axle
+    spin_radps : (n,) array, rad/s, the gyroscope's rate about the axle less the part of the
+        chair's turn
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    SpinFit, or None where the wheel turns too little, or gravity does not show its turning
+    """
+    acc = as_vectors(acc_wheel_mps2, "acc_wheel_mps2", ndim=2)
+    spin = as_series(spin_radps, "spin_radps", length=len(acc))
+    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    turned = np.cumsum(spin) / rate
+    angle = -upward_angle(acc, rate)
+    smooth = ndimage.uniform_filter1d(spin, max(1, round(STEADY_S * rate)))
+    seen = np.abs(np.gradient(angle)) * rate
+    moving = np.maximum(np.abs(smooth), ndimage.uniform_filter1d(seen, round(rate)))
+    if (moving > LEAST_SPIN_RADPS).sum() < SHORTEST_TURNING_S * rate:
+        return None
+    if max(np.ptp(angle), np.ptp(turned)) < LEAST_TURNED_RAD:
+        return None
+    time_s = np.arange(len(acc)) / rate
+    gain, offset = _first_guess(angle, turned, time_s, rate)
+    if gain is None:
+        return None
+    # Turned back by what the guess explains, up stands nearly still, and can be averaged.
+    guess = gain * turned + offset * time_s
+    width = max(1, round(STEADY_S * rate))
+    in_plane = ndimage.uniform_filter1d(acc[:, 0] + 1j * acc[:, 1], width)
+    still = _averaged(in_plane * np.exp(1j * guess), max(1, round(TIED_S * rate)))
+    left = guess - np.unwrap(np.angle(still))
+    design = np.column_stack([turned, time_s - time_s.mean(), np.ones(len(acc))])
+    if np.ptp(turned) < LEAST_TURNED_RAD:
+        return None
+    found, sd, scatter = _fit(design, left, np.arange(len(acc)) // max(1, round(PIECE_S * rate)))
+    if not scatter < LARGEST_SCATTER_RAD or found[0] == 0:
+        return None
+    # The true spin is found[0] times what is read, plus found[1].
+    return SpinFit(
+        float(1 / found[0]),
+        float(sd[0] / found[0] ** 2),
+        float(-found[1] / found[0]),
+        float(sd[1] / abs(found[0])),
+        scatter,
+    )
+
+
+def _averaged(values: NDArray[np.complex128], width: int) -> NDArray[np.complex128]:
+    return np.asarray(
+        ndimage.uniform_filter1d(values.real, width)
+        + 1j * ndimage.uniform_filter1d(values.imag, width)
+    )
+
+
+def _first_guess(
+    angle: FloatArray, turned: FloatArray, time_s: FloatArray, rate: float
+) -> tuple[float | None, float]:
+    """Gain and offset from the angles gained in short pieces; a lost turn spoils one piece only."""
+    step = max(1, round(PIECE_S * rate / 2))
+    gained, read, lasted = (np.diff(v[::step]) for v in (angle, turned, time_s))
+    if len(read) < 4 or np.square(read).sum() == 0:
+        return None, 0.0
+    used = np.ones(len(read), bool)
+    gain = offset = 0.0
+    for _ in range(4):
+        design = np.column_stack([read, lasted])[used]
+        gain, offset = np.linalg.lstsq(design, gained[used], rcond=None)[0]
+        apart = np.abs(gained - gain * read - offset * lasted)
+        used = apart <= max(3 * 1.48 * np.median(apart), 0.3)
+        if used.sum() < 4:
+            return None, 0.0
+    return float(gain), float(offset)
+
+
+def _fit(
+    design: FloatArray, target: FloatArray, piece: NDArray[np.int64]
+) -> tuple[FloatArray, FloatArray, float]:
+    """Least squares, its standard deviations from whole pieces, and the scatter."""
+    found = np.asarray(np.linalg.lstsq(design, target, rcond=None)[0], float)
+    residual = target - design @ found
+    scores = design * residual[:, None]
+    starts = np.nonzero(np.diff(piece, prepend=piece[0] - 1))[0]
+    sums = np.add.reduceat(scores, starts, axis=0)
+    bread = np.linalg.pinv(design.T @ design)
+    many = max(len(starts) - design.shape[1], 1)
+    covariance = bread @ (sums.T @ sums) @ bread * len(starts) / many
+    return found, np.sqrt(np.diag(covariance)), float(np.sqrt(np.mean(residual**2)))
+
+
+def yaw_rate_of_wheel(
+    gyr_wheel_radps: ArrayLike,
+    acc_wheel_mps2: ArrayLike,
+    camber_rad: float,
+    sampling_rate_hz: float,
+) -> FloatArray:
+    """Chair's yaw rate from one wheel's sensor alone: its rate along up in the wheel's plane.
+
+    Up is what the accelerometer sees, turned along by the gyroscope's spin and averaged, so that
+    pushes and the sensor's distance from the axle hardly matter. Slip and radius do not enter.
+
+    Parameters
+    ----------
+    gyr_wheel_radps, acc_wheel_mps2 : (n, 3) arrays, rad/s and m/s², in the wheel's frame
+    camber_rad : rad
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    (n,) array, rad/s, left positive
+    """
+    gyr = as_vectors(gyr_wheel_radps, "gyr_wheel_radps", ndim=2)
+    acc = as_vectors(acc_wheel_mps2, "acc_wheel_mps2", length=len(gyr))
+    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    turned = np.cumsum(gyr[:, 2]) / rate
+    in_plane = (acc[:, 0] + 1j * acc[:, 1]) * np.exp(1j * turned)
+    up = _averaged(in_plane, max(1, round(TIED_S * rate))) * np.exp(-1j * turned)
+    size = np.maximum(np.abs(up), 1e-9)
+    across = gyr[:, 0] + 1j * gyr[:, 1]
+    upward = (across * np.conj(up)).real / size
+    return np.asarray(upward / np.cos(as_number(camber_rad, "camber_rad", negative=True)))
