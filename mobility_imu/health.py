@@ -32,6 +32,8 @@ SPIKE_MPS2, SPIKE_RADPS = 100.0, 10.0
 wheel needs more than two samples for it."""
 SPIKE_TIMES = 20.0
 """... and by so many times the usual change from sample to sample."""
+SHORTEST_AT_END_S = 0.04
+"""Three equal readings at the largest size come by chance, where a reading is doubled."""
 OFTEN_AT_END = 0.05
 """Part of the samples that only a cut range leaves exactly at an axis' largest value."""
 SMOOTHED_S = 0.1
@@ -109,7 +111,8 @@ def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:
                 f"jumps for single samples (to {largest:.3g} {unit} at most), which no movement "
                 "does; remove them", size=largest, unit=unit, repair=bridged(far),
             )  # fmt: skip
-        cut = (saturated_samples(values) | _pinned(values)) & ~frozen
+        shortest = max(3, round(SHORTEST_AT_END_S * rate))
+        cut = (saturated_samples(values, run=shortest) | _pinned(values)) & ~frozen
         if cut.any():
             largest = float(np.abs(values[cut]).max())
             yield fault_of(

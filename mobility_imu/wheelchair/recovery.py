@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.faults import Repair, with_half
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import frozen_gyroscope
 from mobility_imu.offsets import (
@@ -21,6 +22,7 @@ from mobility_imu.offsets import (
     gyroscope_offset,
     rest_flags,
     rest_offsets,
+    without_offsets,
 )
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
@@ -40,6 +42,7 @@ __all__ = [
     "offsets_without",
     "recovered",
     "recovery_warnings",
+    "replaced",
     "tied_rate",
     "unknown_where",
     "with_gyroscope",
@@ -310,6 +313,53 @@ def with_recovered_sd(
         )
         yaw_sd = np.where(failed["frame"], of_wheels, yaw_sd)
     return SpeedUncertainty(speed_sd, yaw_sd)
+
+
+def replaced(
+    recording: Recording,
+    sensor: str,
+    flags: Flags,
+    others: Mapping[str, Flags],
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    otherwise: Repair | None,
+) -> Recording:
+    """Recording in which a gyroscope reads what the two others say of it.
+
+    Offsets that the recording's rests show stay on the sensor that is replaced.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    flags : (n,) bool array, the samples that are replaced
+    others : sensor to (n,) bool array, where gyroscopes fail; this sensor's does not count
+    geometry : WheelchairGeometry
+    mount : WheelchairMount
+    otherwise : what mends the samples in which another gyroscope fails as well; None leaves them
+
+    Returns
+    -------
+    Recording
+    """
+    mended = recording if otherwise is None else otherwise(recording)
+    names = with_gyroscope(recording, CHAIR)
+    if len(_along(recording, names, mount)) < len(CHAIR):
+        return mended
+    offsets = offsets_without(recording, names, {**others, sensor: flags})
+    along = _along(without_offsets(recording, offsets), names, mount)
+    good = flags.copy()
+    for name, bad in others.items():
+        if name != sensor:
+            good &= ~bad
+    axis = mount.rotation_frame_imu_to_chair[2]
+    if sensor != "frame":
+        axis = mount.rotation_imu_to_wheel("left" if sensor == "left_wheel" else "right")[2]
+    values = np.array(mended.gyroscope(sensor))
+    values[good] = tied_rate(along, sensor, geometry)[good, None] * axis
+    if sensor in offsets:
+        values[good] += offsets[sensor].offset_radps
+    return with_half(mended, sensor, "gyr", values)
 
 
 def unknown_where(sd: FloatArray, lost: Mapping[str, Flags], needed: Sequence[str]) -> FloatArray:
