@@ -17,6 +17,8 @@ LONGEST_LAG_S = 3.0
 does not."""
 LEAST_CORRELATION = 0.8
 """Series that go together less well, whatever the lag, do not see the same movement."""
+MOST_STEPS = 5
+"""Whole samples are corrected by the fit so often at most."""
 PIECE_S = 2.0
 """Residuals within such a piece depend on each other."""
 
@@ -63,14 +65,19 @@ def lag_between(first: ArrayLike, second: ArrayLike, sampling_rate_hz: float) ->
     product = fft.irfft(np.conj(fft.rfft(one, size)) * fft.rfft(two, size), size)
     steps = np.arange(-reach, reach + 1)
     products = product[steps]
-    # An overlap that is shorter has a smaller product for no other reason.
-    best = int(steps[np.argmax(products * len(one) / (len(one) - np.abs(steps)))])
-    early, late = _overlap(one, two, best)
-    slope = np.gradient(early) * rate
-    design = np.column_stack([early, -slope, np.ones(len(early))])
-    found = np.linalg.lstsq(design, late, rcond=None)[0]
-    if not found[0] > 0:
-        return None
+    best = int(steps[np.argmax(products)])
+    for _ in range(MOST_STEPS):
+        early, late = _overlap(one, two, best)
+        slope = np.gradient(early) * rate
+        design = np.column_stack([early, -slope, np.ones(len(early))])
+        found = np.linalg.lstsq(design, late, rcond=None)[0]
+        if not found[0] > 0:
+            return None
+        rest = float(found[1] / found[0])
+        more = round(float(np.clip(rest * rate, -reach, reach)))
+        if not more or abs(best + more) > reach:
+            break
+        best += more
     residual = late - design @ found
     scores = design * residual[:, None]
     edges = np.arange(0, len(early), max(1, round(PIECE_S * rate)))
@@ -78,9 +85,8 @@ def lag_between(first: ArrayLike, second: ArrayLike, sampling_rate_hz: float) ->
     bread = np.linalg.pinv(design.T @ design)
     covariance = bread @ (sums.T @ sums) @ bread
     correlation = float(np.corrcoef(early, late)[0, 1])
-    if not correlation > LEAST_CORRELATION:
+    if not correlation > LEAST_CORRELATION or abs(rest) * rate > 1:
         return None
-    rest = float(np.clip(found[1] / found[0], -2 / rate, 2 / rate))
     return Lag(best / rate + rest, float(np.sqrt(covariance[1, 1]) / found[0]), correlation)
 
 
