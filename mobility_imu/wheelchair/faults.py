@@ -153,18 +153,27 @@ def sensor_faults(
     failed = _failed(recording, geometry, mount)
     mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
     mute |= {f.sensor.split("_gyr")[0] for f in found if f.code == "dead axis"}
+    seen = partial(
+        Witnesses,
+        geometry=geometry,
+        mount=mount,
+        given=dict(offsets or {}),
+        failed=failed,
+        settings=settings,
+        mute=frozenset(mute),
+    )
+    witnesses = seen(mended)
+    if not witnesses.sides or "frame" not in witnesses.names:
+        return tuple(found)
     for look in LOOKS:
-        witnesses = Witnesses(
-            mended, geometry, mount, dict(offsets or {}), failed, settings, frozenset(mute)
-        )
-        if not witnesses.sides or "frame" not in witnesses.names:
-            break
         try:
             new = list(look(witnesses))
         except InputError:
             continue  # what the estimate refuses as well
         found += new
-        mended = all_repaired(new, mended)
+        if any(fault.repair is not None for fault in new):
+            mended = all_repaired(new, mended)
+            witnesses = seen(mended)
     return tuple(found)
 
 
@@ -228,12 +237,13 @@ def _without_trifles(fault: Fault) -> Fault:
     return fault if len(kept) == len(fault.costs) else replace(fault, costs=kept)
 
 
-HARMLESS = {"mirrored"}
-"""Faults that leave speed and yaw rate as they are; only their meaning is in question."""
+SMALL = {"lag": 0.05, "scale": 0.03, "offset": 1.0, "mirrored": float("inf")}
+"""Faults up to these sizes (s, fraction, deg/s) leave the samples valid: their cost is told. A
+mirrored chair has the right speed; which way it turns is in question throughout."""
 
 
 def valid_samples(faults: tuple[Fault, ...], count: int) -> NDArray[np.bool_]:
-    """Where no fault touches a gyroscope that speed and yaw rate come from.
+    """Where no fault, beyond small ones, touches a gyroscope that the result comes from.
 
     A gyroscope that fails while the other two replace it counts as valid here;
     :class:`~mobility_imu.wheelchair.velocity.ChairVelocity` has flags of its own for the rest.
@@ -250,8 +260,8 @@ def valid_samples(faults: tuple[Fault, ...], count: int) -> NDArray[np.bool_]:
     valid = np.ones(count, np.bool_)
     for fault in faults:
         _, half = _parts(fault.sensor)
-        by_estimate = fault.code in ("frozen", "range")
-        if half != "acc" and not by_estimate and fault.code not in HARMLESS:
+        small = fault.code in SMALL and not fault.size > SMALL[fault.code]
+        if half != "acc" and fault.code not in ("frozen", "range") and not small:
             valid &= ~fault.flags
     return valid
 
