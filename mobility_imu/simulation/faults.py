@@ -248,8 +248,8 @@ def tip(
     part = np.clip((time_s - start_s) / as_number(length_s, "length_s"), 0.0, 1.0)
     back = Rotation.from_rotvec(-part[:, None] * angle_rad * unit)
     rate = np.where((part > 0) & (part < 1), angle_rad / length_s, 0.0)
-    gyr = back.apply(recording.gyroscope(sensor)) + rate[:, None] * unit
-    return _replaced(recording, {sensor: Imu(back.apply(imu.acc_mps2), gyr)})
+    gyr = back.apply(recording.gyroscope(sensor).copy()) + rate[:, None] * unit
+    return _replaced(recording, {sensor: Imu(back.apply(imu.acc_mps2.copy()), gyr)})
 
 
 def mirror(recording: Recording, sensor: str, half: str, signs: ArrayLike) -> Recording:

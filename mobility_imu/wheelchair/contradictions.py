@@ -44,6 +44,7 @@ LARGEST_PUSH_MPS2 = 1.0
 LEAST_TURNED_RAD = np.pi
 """Half a turn in all, to whichever side: below it, nothing is said of the frame's yaw rate."""
 PIECE_S = 2.0
+MOST_FITS = 15
 ALIKE = 0.95
 """Correlation of two speeds of one wheel's centre: the wheels roll, and no name is exchanged."""
 
@@ -254,10 +255,12 @@ def gain_of(first: FloatArray, second: FloatArray, rate_hz: float) -> Gain | Non
         return None
     design = np.column_stack([first, np.ones(len(first))])
     used = np.ones(len(first), np.bool_)
-    for _ in range(3):
+    for _ in range(MOST_FITS):
         found = np.linalg.lstsq(design[used], second[used], rcond=None)[0]
         apart = np.abs(second - design @ found)
-        used = apart <= max(5 * 1.48 * float(np.median(apart)), 0.02)
+        before, used = used, apart <= max(3 * 1.48 * float(np.median(apart)), 0.02)
+        if (used == before).all():
+            break
     residual = np.where(used, second - design @ found, 0.0)
     piece = np.arange(0, len(first), max(1, round(PIECE_S * rate_hz)))
     sums = np.add.reduceat(design * residual[:, None], piece, axis=0)

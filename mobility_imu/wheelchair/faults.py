@@ -16,27 +16,25 @@ from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.faults import (
-    Fault,
-    all_repaired,
-    interpolated,
-    with_costs,
-)
+from mobility_imu.faults import Fault, Repair, all_repaired, interpolated, with_costs
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine, fault_of
 from mobility_imu.offsets import GyroscopeOffset
 from mobility_imu.recording import Recording
 from mobility_imu.wheelchair import frame_faults, wheel_faults
 from mobility_imu.wheelchair.contradictions import Witnesses, lone_jumps
+from mobility_imu.wheelchair.dead_axis import without_axis
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
-from mobility_imu.wheelchair.recovery import failed_gyroscopes, replaced
+from mobility_imu.wheelchair.recovery import CHAIR, failed_gyroscopes, held_samples, replaced
 from mobility_imu.wheelchair.velocity import ChairVelocity, VelocitySettings, estimate_velocity
 
 __all__ = ["find_faults", "results", "sensor_faults", "valid_samples", "with_valid"]
 
 LEAST_COST = {"m/s": 1e-3, "deg/s": 1e-2, "m": 1e-3, "deg": 1e-2}
 """Smaller changes of a result are no cost: below the noise of any sensor."""
+SLOWEST_HZ = 10.0
+"""A wheel at 4 m/s turns twice in a second: slower recordings do not show its turning."""
 MUTE_PART = 0.3
 """A gyroscope that fails for more of the time is no witness against others."""
 
@@ -149,6 +147,8 @@ def sensor_faults(
     found = list(_of_one_sensor(recording, geometry, mount))
     if any(fault.code == "copy" for fault in found):
         return tuple(found)
+    if recording.sampling_rate_hz < SLOWEST_HZ:
+        return (*found, _slow_clock(recording))
     mended = all_repaired(found, recording)
     failed = _failed(recording, geometry, mount)
     mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
@@ -177,6 +177,16 @@ def sensor_faults(
     return tuple(found)
 
 
+def _slow_clock(recording: Recording) -> Fault:
+    whole = np.ones(len(recording), np.bool_)
+    rate = recording.sampling_rate_hz
+    return fault_of(
+        recording, "clock", "time_s", whole,
+        f"gives a sampling rate of {rate:g} Hz, at which no wheel's turning is seen: times in s?",
+        size=rate, unit="Hz",
+    )  # fmt: skip
+
+
 def _failed(
     recording: Recording, geometry: WheelchairGeometry, mount: WheelchairMount
 ) -> dict[str, NDArray[np.bool_]]:
@@ -190,29 +200,29 @@ def _of_one_sensor(
 ) -> Iterator[Fault]:
     """What any recording shows; lone jumps; and better ways to undo what a gyroscope lost."""
     failed = _failed(recording, geometry, mount)
-    spiky = set()
+    told: set[tuple[str, str]] = set()
     for fault in examine(recording):
         sensor, half = _parts(fault.sensor)
-        if half == "gyr" and fault.code in ("frozen", "range", "dead axis"):
-            flags = fault.flags | failed.get(sensor, fault.flags)
-            better = partial(
-                replaced,
-                sensor=sensor,
-                flags=flags,
-                others=dict(failed),
-                geometry=geometry,
-                mount=mount,
-                otherwise=fault.repair,
+        told.add((fault.code, sensor) if half == "gyr" else ("", ""))
+        if half == "gyr" and fault.code in ("frozen", "range"):
+            flags = fault.flags | (
+                failed.get(sensor, fault.flags) if fault.code == "frozen" else False
             )
-            fault = replace(fault, repair=better)
-        if fault.code == "spike":
-            spiky.add((sensor, half))
+            fault = replace(fault, repair=_by_others(sensor, flags, failed, geometry, mount, fault))
+        elif half == "gyr" and fault.code == "dead axis" and sensor in CHAIR:
+            axis = "xyz".index(fault.sensor[-1])
+            fault = replace(fault, repair=partial(
+                without_axis, sensor=sensor, axis=axis, geometry=geometry, mount=mount
+            ))  # fmt: skip
         yield fault
     for name, imu in recording.sensors.items():
-        if imu.gyr_radps is None or (name, "gyr") in spiky:
+        if imu.gyr_radps is None:
             continue
+        if ("frozen", name) not in told:
+            yield from _held(recording, name, failed, geometry, mount)
         far = lone_jumps(imu.gyr_radps, recording.sampling_rate_hz)
-        if far.any():
+        far &= ~failed.get(name, np.zeros_like(far))
+        if ("spike", name) not in told and far.any():
             bridge = interpolated(recording, name, "gyr", far).gyroscope(name)
             size = float(np.abs(imu.gyr_radps - bridge).max())
             yield fault_of(
@@ -221,6 +231,43 @@ def _of_one_sensor(
                 "usually does; remove them", size=size, unit="rad/s",
                 repair=partial(interpolated, sensor=name, half="gyr", flags=far),
             )  # fmt: skip
+
+
+def _held(
+    recording: Recording,
+    name: str,
+    failed: Mapping[str, NDArray[np.bool_]],
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+) -> Iterator[Fault]:
+    """A gyroscope that repeats its last reading for some samples only."""
+    held = held_samples(recording.gyroscope(name)) & failed.get(name, np.False_)
+    if held.any():
+        found = fault_of(
+            recording, "frozen", f"{name}_gyr", held, "repeats its last reading",
+            size=float(held.sum() / recording.sampling_rate_hz), unit="s",
+        )  # fmt: skip
+        yield replace(found, repair=_by_others(name, held, failed, geometry, mount, found))
+
+
+def _by_others(
+    sensor: str,
+    flags: NDArray[np.bool_],
+    failed: Mapping[str, NDArray[np.bool_]],
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    fault: Fault,
+) -> Repair:
+    """What puts the two other gyroscopes in the place of one that fails."""
+    return partial(
+        replaced,
+        sensor=sensor,
+        flags=flags,
+        others=dict(failed),
+        geometry=geometry,
+        mount=mount,
+        otherwise=fault.repair or partial(interpolated, sensor=sensor, half="gyr", flags=flags),
+    )
 
 
 def _parts(sensor: str) -> tuple[str, str]:

@@ -44,6 +44,8 @@ SIGN = 0.5
 LEAST_SCALE = 0.015
 """Scale factors of a calibrated sensor (0.3 to 0.5 %) to three standard deviations."""
 FITS = 0.03
+LEAST_FLIP = 0.2
+"""Smaller changes of the gain are scale errors rather than a wrong sign of an axis."""
 ALIKE, APART = 0.95, 0.8
 """Correlations of yaw rates that agree, and of such that do not."""
 
@@ -172,7 +174,7 @@ def _fitting_signs(w: Witnesses) -> tuple[float, ...] | None:
     late = 0 if lag is None else round(lag.lag_s * w.rate_hz)
     if late:
         return None
-    if stated is None or abs(stated.gain - 1) < 2 * FITS:
+    if stated is None or abs(stated.gain - 1) < LEAST_FLIP:
         return None
     axis = w.mount.rotation_frame_imu_to_chair[2]
     gyr = w.at_rest.gyroscope("frame")
@@ -233,9 +235,10 @@ def _scale(w: Witnesses, by_gravity: Gain) -> tuple[float, float]:
     speeds = w.by_speeds
     other = None if speeds is None else gain_of(speeds, w.yaw["frame"], w.rate_hz)
     if other is not None and other.correlation > ALIKE:
+        # The wheels' speeds slip, but they side with one of the two.
         track = errors.track_sd_m / w.geometry.wheel_centre_distance_m
-        other_sd = float(np.sqrt(other.gain_sd**2 + track**2 + errors.radius_sd**2))
-        if abs(other.gain - by_gravity.gain) > 3 * np.hypot(sd, other_sd):
+        apart, own = abs(other.gain - by_gravity.gain), abs(other.gain - 1)
+        if apart > max(own, 3 * np.hypot(track, errors.radius_sd)):
             return 0.0, sd  # camber or track is wrong, which is another question
     return error, sd
 

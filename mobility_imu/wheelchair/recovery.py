@@ -24,6 +24,7 @@ from mobility_imu.offsets import (
     rest_offsets,
     without_offsets,
 )
+from mobility_imu.quality import resolution_of
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
 from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
@@ -39,6 +40,7 @@ from mobility_imu.wheelchair.uncertainty import (
 
 __all__ = [
     "failed_gyroscopes",
+    "held_samples",
     "offsets_without",
     "recovered",
     "recovery_warnings",
@@ -51,6 +53,13 @@ __all__ = [
 
 Flags = NDArray[np.bool_]
 CHAIR = ("frame", "left_wheel", "right_wheel")
+SHORTEST_HELD = 4
+LARGEST_CHANCE, LEAST_CHANCE = 1e-4, 0.02
+"""Of a repetition in a recording by noise alone; three axes repeat together at least so often."""
+FEWEST_CHANGES = 50
+QUIETEST = 0.2
+BACK_AND_FORTH = -0.1
+"""Correlation of one change with the next: -0.5 for white noise, near 1 for exact readings."""
 MOSTLY = 0.9
 """With one wheel alone, an accelerometer that changes in more of the samples has noise; so has the
 gyroscope beside it, and a repetition is none of a steady motion."""
@@ -83,6 +92,7 @@ def failed_gyroscopes(
     found = dict(saturated_gyroscopes(recording, sensors))
     frozen = {
         name: frozen_gyroscope(recording.sensor(name).acc_mps2, recording.gyroscope(name), rate)
+        | held_samples(recording.gyroscope(name))
         for name in sensors
     }
     if not any(flags.any() for flags in frozen.values()):
@@ -90,9 +100,51 @@ def failed_gyroscopes(
     along = _along(recording, sensors, mount)
     for name, flags in frozen.items():
         real = _contradicted(recording, name, flags, along, geometry)
+        if _is_noisy(recording.gyroscope(name)[~flags]):
+            real |= flags
         if real.any():
             found[name] = found[name] | real if name in found else real
     return found
+
+
+def held_samples(gyr_radps: FloatArray) -> Flags:
+    """Repetitions of a gyroscope that are too long for chance, with the noise that it has.
+
+    Parameters
+    ----------
+    gyr_radps : (n, 3) array, rad/s
+
+    Returns
+    -------
+    (n,) bool array; none of exact readings, which repeat themselves in steady motion
+    """
+    held = np.zeros(len(gyr_radps), np.bool_)
+    same = np.r_[False, (np.diff(gyr_radps, axis=0) == 0).all(axis=1)]
+    runs = [run for run in runs_of(same) if run.stop - run.start >= SHORTEST_HELD - 1]
+    if not runs:
+        return held
+    for run in runs:
+        held[run.start - 1 : run.stop] = True
+    found = resolution_of(gyr_radps, skip=held)
+    if not found.pairs or not _is_noisy(gyr_radps[~held]):
+        return np.zeros_like(held)
+    chance = float(np.clip(found.repeats.prod(), LEAST_CHANCE, 1.0))
+    for run in runs:
+        if len(gyr_radps) * chance ** (run.stop - run.start) > LARGEST_CHANCE:
+            held[run.start - 1 : run.stop] = False
+    return held
+
+
+def _is_noisy(gyr: FloatArray) -> bool:
+    """Whether the smallest changes go back and forth, as noise and no motion does."""
+    change = np.diff(gyr, axis=0)
+    if len(change) < FEWEST_CHANGES:
+        return False
+    first, second = change[:-1], change[1:]
+    size = np.linalg.norm(first, axis=1) + np.linalg.norm(second, axis=1)
+    small = size <= np.quantile(size, QUIETEST)
+    power = float((first[small] ** 2).sum() + (second[small] ** 2).sum()) / 2
+    return power > 0 and float((first[small] * second[small]).sum()) < BACK_AND_FORTH * power
 
 
 def _along(

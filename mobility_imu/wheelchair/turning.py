@@ -136,7 +136,7 @@ def spin_fit(
     angle = -upward_angle(acc, rate)
     smooth = ndimage.uniform_filter1d(spin, max(1, round(STEADY_S * rate)))
     seen = np.abs(np.gradient(angle)) * rate
-    moving = np.maximum(np.abs(smooth), ndimage.uniform_filter1d(seen, round(rate)))
+    moving = np.maximum(np.abs(smooth), ndimage.uniform_filter1d(seen, max(1, round(rate))))
     if (moving > LEAST_SPIN_RADPS).sum() < SHORTEST_TURNING_S * rate:
         return None
     if max(np.ptp(angle), np.ptp(turned)) < LEAST_TURNED_RAD:

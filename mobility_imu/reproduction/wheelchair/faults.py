@@ -386,7 +386,7 @@ KINDS: dict[str, tuple[Injection, frozenset[str], bool]] = {
     "turned wheel": (turned_wheel, frozenset({"turned"}), True),
     "reversed gyroscope": (reversed_gyroscope, frozenset({"reversed"}), True),
     "left-handed": (left_handed, frozenset({"reversed", "turned"}), True),
-    "clock": (clock, frozenset(), True),
+    "clock": (clock, frozenset({"clock"}), True),
     "static trial tipped": (tipped_static, frozenset({"turned"}), True),
     "straight trial turns": (turning_straight, frozenset(), True),
     "another drive's frame": (another_frame, frozenset({"at odds", "lag"}), True),
