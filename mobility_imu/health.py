@@ -32,8 +32,8 @@ SPIKE_MPS2, SPIKE_RADPS = 100.0, 10.0
 wheel needs more than two samples for it."""
 SPIKE_TIMES = 20.0
 """... and by so many times the usual change from sample to sample."""
-SHORTEST_AT_END_S = 0.04
-"""Three equal readings at the largest size come by chance, where a reading is doubled."""
+SHORTEST_AT_END_S = 0.05
+"""Fewer equal readings at the largest size come by chance, where readings are doubled."""
 OFTEN_AT_END = 0.05
 """Part of the samples that only a cut range leaves exactly at an axis' largest value."""
 SMOOTHED_S = 0.1

@@ -46,8 +46,8 @@ LARGEST_LOOK = 10
 """Samples beyond a plateau at which it is looked at how far the readings have fallen, at most."""
 LARGEST_OFFSET_RADPS = 0.15
 """No gyroscope that is sold has a larger offset (8.6 deg/s)."""
-FELT_FRACTION = 0.1
-"""Fraction of a reading's length by which another sensor has to expect a change (6 deg of tilt)."""
+FELT_FRACTION = 0.15
+"""Fraction of a reading's length by which another sensor has to expect a change (9 deg of tilt)."""
 
 
 class Resolution(NamedTuple):

@@ -385,8 +385,14 @@ def lone_jumps(gyr_radps: FloatArray, sampling_rate_hz: float) -> NDArray[np.boo
         size = np.zeros(count)
         size[1:-1] = np.abs(axis[1:-1] - (axis[:-2] + axis[2:]) / 2)
         usual = ndimage.percentile_filter(size, 90, size=window)
+        # Beside a lone reading the bend is half as large, the other way; at a kink it is zero.
+        bend = np.zeros(count)
+        bend[1:-1] = axis[1:-1] - (axis[:-2] + axis[2:]) / 2
         agree = np.zeros(count, np.bool_)
-        agree[1:-1] = np.abs(axis[2:] - axis[:-2]) < size[1:-1] / 2
+        agree[2:-2] = (np.abs(axis[3:-1] - axis[1:-3]) < size[2:-2] / 2) & (
+            np.abs(bend[1:-3] + bend[2:-2] / 2) + np.abs(bend[3:-1] + bend[2:-2] / 2)
+            < size[2:-2] / 2
+        )
         times = np.where(agree, size / np.maximum(usual, 1e-3), 0.0)
         least = max(JUMP_TIMES, JUMP_TAIL * float(np.quantile(times, 1 - RAREST)))
         far |= (times > least) & (size > LEAST_JUMP_RADPS)

@@ -266,6 +266,7 @@ def _by_others(
         others=dict(failed),
         geometry=geometry,
         mount=mount,
+        at_end=fault.code == "range",
         otherwise=fault.repair or partial(interpolated, sensor=sensor, half="gyr", flags=flags),
     )
 

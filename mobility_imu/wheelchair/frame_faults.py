@@ -39,11 +39,11 @@ STEADY, GOES_ROUND = 0.9, 0.7
 SPINNING_RADPS = 1.0
 LARGEST_TILT_RAD = float(np.deg2rad(6.0))
 """Ramps rise by 1 in 12 at most (4.8 deg, ISO 21542); no drive leans by more on average."""
-SIGN = 0.5
-"""A gain beyond it, to either side, has a sign for sure."""
+SIGN = 0.2
+"""A gain beyond it has a sign for sure: no scale is so far off."""
 LEAST_SCALE = 0.015
 """Scale factors of a calibrated sensor (0.3 to 0.5 %) to three standard deviations."""
-FITS = 0.03
+FITS = 0.015
 LEAST_FLIP = 0.2
 """Smaller changes of the gain are scale errors rather than a wrong sign of an axis."""
 ALIKE, APART = 0.95, 0.8
@@ -233,11 +233,11 @@ def _scale(w: Witnesses, by_gravity: Gain) -> tuple[float, float]:
     )
     error = by_gravity.gain - 1
     speeds = w.by_speeds
-    other = None if speeds is None else gain_of(speeds, w.yaw["frame"], w.rate_hz)
+    # What slips stands on the left: far off, it would turn the line.
+    other = None if speeds is None else gain_of(w.yaw["frame"], speeds, w.rate_hz)
     if other is not None and other.correlation > ALIKE:
-        # The wheels' speeds slip, but they side with one of the two.
         track = errors.track_sd_m / w.geometry.wheel_centre_distance_m
-        apart, own = abs(other.gain - by_gravity.gain), abs(other.gain - 1)
+        apart, own = abs(1 / other.gain - by_gravity.gain), abs(1 / other.gain - 1)
         if apart > max(own, 3 * np.hypot(track, errors.radius_sd)):
             return 0.0, sd  # camber or track is wrong, which is another question
     return error, sd

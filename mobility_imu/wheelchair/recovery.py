@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from mobility_imu.faults import Repair, with_half
 from mobility_imu.frames import FloatArray
@@ -27,9 +28,10 @@ from mobility_imu.offsets import (
 from mobility_imu.quality import resolution_of
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
+from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
 from mobility_imu.wheelchair.saturation import saturated_gyroscopes, usable_samples
+from mobility_imu.wheelchair.turning import upward_angle, yaw_rate_of_wheel
 from mobility_imu.wheelchair.uncertainty import (
     UNKNOWN_NOISE_RADPS,
     AssumedErrors,
@@ -47,6 +49,7 @@ __all__ = [
     "replaced",
     "tied_rate",
     "unknown_where",
+    "wheel_forces",
     "with_gyroscope",
     "with_recovered_sd",
 ]
@@ -60,6 +63,8 @@ FEWEST_CHANGES = 50
 QUIETEST = 0.2
 BACK_AND_FORTH = -0.1
 """Correlation of one change with the next: -0.5 for white noise, near 1 for exact readings."""
+GRAVITY_S = 0.3
+"""The turning of gravity is averaged over this: a quarter of a turn of a wheel at 1.5 m/s."""
 MOSTLY = 0.9
 """With one wheel alone, an accelerometer that changes in more of the samples has noise; so has the
 gyroscope beside it, and a repetition is none of a steady motion."""
@@ -211,15 +216,25 @@ def tied_rate(
 
 
 def recovered(
-    rates: Mapping[str, FloatArray], failed: Mapping[str, Flags], geometry: WheelchairGeometry
+    rates: Mapping[str, FloatArray],
+    forces: Mapping[str, FloatArray],
+    failed: Mapping[str, Flags],
+    geometry: WheelchairGeometry,
+    sampling_rate_hz: float,
 ) -> tuple[dict[str, FloatArray], dict[str, Flags]]:
     """Replace what a failed gyroscope reads by what the two others say.
 
+    A wheel's rate comes from the other wheel and the frame; the frame's from the wheels' own
+    gyroscopes along up (:func:`~mobility_imu.wheelchair.turning.yaw_rate_of_wheel`), where slip
+    does not enter.
+
     Parameters
     ----------
-    rates : sensor to (n, 3) array, rad/s, in the axes of the chair and of the wheels
+    rates, forces : sensor to (n, 3) array, rad/s and m/s², in the axes of the chair and of the
+        wheels
     failed : sensor to (n,) bool array
     geometry : WheelchairGeometry
+    sampling_rate_hz : Hz
 
     Returns
     -------
@@ -232,17 +247,34 @@ def recovered(
     if any(name not in rates for name in CHAIR):
         return new, dict(failed)
     along = {name: rate[:, 2] for name, rate in rates.items()}
+    others = {n: tied_rate(along, n, geometry) for n in failed if n != "frame"}
+    if "frame" in failed:
+        others["frame"] = _yaw_of_wheels(rates, forces, geometry, sampling_rate_hz)
     together = sum(flags.astype(int) for flags in failed.values())
     lost = {}
     for name, flags in failed.items():
         alone = flags & (together == 1)
         values = np.array(rates[name])
         values[alone] = 0.0
-        values[alone, 2] = tied_rate(along, name, geometry)[alone]
+        values[alone, 2] = others[name][alone]
         new[name] = values
         if (flags & ~alone).any():
             lost[name] = flags & ~alone
     return new, lost
+
+
+def _yaw_of_wheels(
+    rates: Mapping[str, FloatArray],
+    forces: Mapping[str, FloatArray],
+    geometry: WheelchairGeometry,
+    sampling_rate_hz: float,
+) -> FloatArray:
+    """Mean of the yaw rates that the wheels' sensors know by themselves, (n,) array, rad/s."""
+    known = [
+        yaw_rate_of_wheel(rates[name], forces[name], geometry.camber_rad, sampling_rate_hz)
+        for name in CHAIR[1:]
+    ]
+    return np.asarray(np.mean(known, axis=0))
 
 
 def recovery_warnings(
@@ -375,6 +407,7 @@ def replaced(
     geometry: WheelchairGeometry,
     mount: WheelchairMount,
     otherwise: Repair | None,
+    at_end: bool = False,
 ) -> Recording:
     """Recording in which a gyroscope reads what the two others say of it.
 
@@ -389,6 +422,8 @@ def replaced(
     geometry : WheelchairGeometry
     mount : WheelchairMount
     otherwise : what mends the samples in which another gyroscope fails as well; None leaves them
+    at_end : whether the readings are at the end of a range: the middle of three then counts, of
+        the others, of the curve through what is left, and of gravity
 
     Returns
     -------
@@ -399,19 +434,50 @@ def replaced(
     if len(_along(recording, names, mount)) < len(CHAIR):
         return mended
     offsets = offsets_without(recording, names, {**others, sensor: flags})
-    along = _along(without_offsets(recording, offsets), names, mount)
+    calm = without_offsets(recording, offsets)
+    turn = {
+        "frame": mount.rotation_frame_imu_to_chair,
+        "left_wheel": mount.rotation_imu_to_wheel("left"),
+        "right_wheel": mount.rotation_imu_to_wheel("right"),
+    }
+    rates = {name: calm.gyroscope(name) @ turn[name].T for name in CHAIR}
+    forces = {name: calm.sensor(name).acc_mps2 @ turn[name].T for name in CHAIR}
     good = flags.copy()
     for name, bad in others.items():
         if name != sensor:
             good &= ~bad
-    axis = mount.rotation_frame_imu_to_chair[2]
-    if sensor != "frame":
-        axis = mount.rotation_imu_to_wheel("left" if sensor == "left_wheel" else "right")[2]
+    rate = recording.sampling_rate_hz
+    new, _ = recovered(rates, forces, {sensor: good}, geometry, rate)
+    along = new[sensor][:, 2]
     values = np.array(mended.gyroscope(sensor))
-    values[good] = tied_rate(along, sensor, geometry)[good, None] * axis
+    if at_end:
+        # Cut peaks: the others err where a wheel slips, the curve where much is lost.
+        curve = (values - getattr(offsets.get(sensor), "offset_radps", 0.0)) @ turn[sensor][2]
+        along = np.median(
+            [along, curve, _by_gravity(rates, forces, sensor, geometry, rate)], axis=0
+        )
+    values[good] = along[good, None] * turn[sensor][2]
     if sensor in offsets:
         values[good] += offsets[sensor].offset_radps
     return with_half(mended, sensor, "gyr", values)
+
+
+def _by_gravity(
+    rates: Mapping[str, FloatArray],
+    forces: Mapping[str, FloatArray],
+    sensor: str,
+    geometry: WheelchairGeometry,
+    sampling_rate_hz: float,
+) -> FloatArray:
+    """Rate that gravity's turning in the wheels' planes gives without this gyroscope, rad/s."""
+    if sensor == "frame":
+        along = {name: rate[:, 2] for name, rate in rates.items()}
+        return tied_rate(along, "frame", geometry)
+    side: Side = "left" if sensor == "left_wheel" else "right"
+    angle = upward_angle(forces[sensor], sampling_rate_hz)
+    width = max(1, round(GRAVITY_S * sampling_rate_hz))
+    spin = -ndimage.uniform_filter1d(np.gradient(angle) * sampling_rate_hz, width)
+    return np.asarray(spin + geometry.axle_direction(side)[2] * rates["frame"][:, 2])
 
 
 def unknown_where(sd: FloatArray, lost: Mapping[str, Flags], needed: Sequence[str]) -> FloatArray:
@@ -429,6 +495,25 @@ def unknown_where(sd: FloatArray, lost: Mapping[str, Flags], needed: Sequence[st
     """
     flags = {name: lost[name] for name in needed if name in lost}
     return np.where(usable_samples(len(sd), flags), sd, np.inf)
+
+
+def wheel_forces(recording: Recording, mount: WheelchairMount) -> dict[str, FloatArray]:
+    """Specific forces of the wheels that have a sensor, in their axes.
+
+    Parameters
+    ----------
+    recording : Recording
+    mount : WheelchairMount
+
+    Returns
+    -------
+    dict from sensor to (n, 3) array, m/s²
+    """
+    return {
+        f"{side}_wheel": mount.wheel(side, recording.sensors[f"{side}_wheel"].acc_mps2)
+        for side in SIDES
+        if f"{side}_wheel" in recording.sensors
+    }
 
 
 def with_gyroscope(recording: Recording, names: Sequence[str]) -> list[str]:

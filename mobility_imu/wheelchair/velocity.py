@@ -40,6 +40,7 @@ from mobility_imu.wheelchair.recovery import (
     recovered,
     recovery_warnings,
     unknown_where,
+    wheel_forces,
     with_gyroscope,
     with_recovered_sd,
 )
@@ -458,7 +459,8 @@ def _one_recording(
     needed = names[1:] if both else names
     lost = failed
     if settings.form == "corrected":
-        rates, lost = recovered(rates, failed, geometry)
+        forces = wheel_forces(recording, mount) if failed else {}
+        rates, lost = recovered(rates, forces, failed, geometry, recording.sampling_rate_hz)
         warnings += recovery_warnings(source, failed, lost)
     velocity, wheel_yaw, slip = (_from_two_wheels if both else _from_one_wheel)(
         recording, geometry, mount, rates, settings, usable_samples(len(recording), failed)

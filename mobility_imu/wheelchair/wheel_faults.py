@@ -22,6 +22,8 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
 from mobility_imu.wheelchair.contradictions import Witnesses, axle_of
+from mobility_imu.wheelchair.geometry import Side
+from mobility_imu.wheelchair.recovery import tied_rate
 
 __all__ = ["late", "other_axles", "other_spins", "wrong_offsets", "wrong_scales"]
 
@@ -74,7 +76,7 @@ def other_axles(w: Witnesses) -> Iterator[Fault]:
         if angle <= LARGEST_AXLE_RAD:
             continue
         name = f"{side}_wheel"
-        axle = axles[side] * (np.sign(axles[side] @ known[side]) or 1.0)
+        axle = axles[side] * _way_round(w, side, axles[side], known[side])
         turn = Rotation.align_vectors(known[side][None], axle[None])[0].as_matrix()
         yield fault_of(
             w.recording, "turned", name, np.ones(len(w.recording), np.bool_),
@@ -83,6 +85,16 @@ def other_axles(w: Witnesses) -> Iterator[Fault]:
             "trials anew", size=float(np.rad2deg(angle)), unit="deg",
             repair=partial(turned_back, sensor=name, rotation=turn),
         )  # fmt: skip
+
+
+def _way_round(w: Witnesses, side: Side, axle: FloatArray, known: FloatArray) -> float:
+    """Sign of an axle with which it spins as the other sensors expect; nearest without them."""
+    name, gyr = f"{side}_wheel", w.at_rest.gyroscope(f"{side}_wheel")
+    if len(w.sides) == 2 and "frame" not in w.mute:
+        along = {one: w.rates[one][:, 2] for one in w.names if one != name}
+        together = float(tied_rate(along, name, w.geometry) @ (gyr @ axle))
+        return 1.0 if together >= 0 else -1.0
+    return 1.0 if axle @ known >= 0 else -1.0
 
 
 def turned_back(recording: Recording, sensor: str, rotation: FloatArray) -> Recording:

@@ -47,11 +47,11 @@ WIDE = replace(
 PUNCTUAL = replace(
     REAL,
     acc=replace(REAL.acc, scale_sd=0.003),
-    gyr=replace(REAL.gyr, scale_sd=0.003),
+    gyr=replace(REAL.gyr, scale_sd=0.003, misalignment_sd_rad=MTI_1.gyr.misalignment_sd_rad),
     delivery=replace(REAL.delivery, late_s=0.0),
 )
 """Noise, offsets, steps, doubled and lost samples of real recordings, without what is a fault to
-these looks: sensors up to 0.03 s late, and scale factors with a standard deviation of 1 %."""
+these looks: sensors up to 0.03 s late, and scale factors and axes off by 1 %."""
 MODELS: dict[str, SensorModel] = {"MTi-1": MTI_1, "LPMS": WIDE, "real, punctual": PUNCTUAL}
 
 
