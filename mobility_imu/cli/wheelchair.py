@@ -18,7 +18,13 @@ if TYPE_CHECKING:
     from mobility_imu.faults import Fault
     from mobility_imu.readers.velocities import VelocitySeries
     from mobility_imu.recording import Recording
-    from mobility_imu.wheelchair import GeometryCheck, Tasks, TaskSettings, WheelchairCalibration
+    from mobility_imu.wheelchair import (
+        GeometryCheck,
+        Tasks,
+        TaskSettings,
+        VelocitySettings,
+        WheelchairCalibration,
+    )
 
 Camber = Literal["sign-safe", "printed"]
 Smoothing = Literal["none", "moving-average", "savitzky-golay"]
@@ -64,7 +70,6 @@ def velocity(
     """Linear velocity and yaw rate of a chair from wheel and frame IMUs (WheelMove-ID)."""
     from mobility_imu.cli.summaries import read_line, velocity_lines, written_line
     from mobility_imu.wheelchair import (
-        VelocitySettings,
         WheelchairGeometry,
         estimate_velocity,
         find_faults,
@@ -81,11 +86,7 @@ def velocity(
         for recording in read
     )
     calibration = _calibrated(drive, still, line, take_off_offsets=camber != "printed")
-    settings = (
-        VelocitySettings(form="printed", slip_correction=slip_correction, slip_method="tool")
-        if camber == "printed"
-        else VelocitySettings(slip_correction=slip_correction)
-    )
+    settings = _settings(camber, slip_correction)
     # Smoothing hides what repeats itself: faults are looked for in what was recorded.
     faults = find_faults(read[0], chair, calibration.mount, settings, offsets=calibration.offsets)
     tell_faults((*_of_trials(read[1:]), *faults), strict)
@@ -96,6 +97,14 @@ def velocity(
     warn(_untold((*calibration.warnings, *found.warnings)))
     outputs.write({output: csv_bytes(found.to_frame(), output)})
     summarize([read_line(drive), *velocity_lines(found), written_line([output])], quiet)
+
+
+def _settings(camber: Camber, slip_correction: bool) -> VelocitySettings:
+    from mobility_imu.wheelchair import VelocitySettings
+
+    if camber == "printed":
+        return VelocitySettings(form="printed", slip_correction=slip_correction, slip_method="tool")
+    return VelocitySettings(slip_correction=slip_correction)
 
 
 def _calibrated(

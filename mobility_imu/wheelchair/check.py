@@ -213,10 +213,15 @@ def check_geometry(
     faulty = [
         fault.sentence
         for fault in sensor_faults(as_recorded, geometry, mount, offsets=offsets)
-        if _spoils(fault)
+        if _spoils(fault, agreement["turned_rad"])
     ]
     verdict: dict[str, Any] = (
-        {"warnings": ("no verdict on track, radii and camber: a sensor is at fault", *faulty)}
+        {
+            "warnings": (
+                "a sensor failed, so there is no verdict on track, radii and camber",
+                *faulty,
+            )
+        }
         if faulty
         else _verdict(parts, geometry, mount, found, agreement)
     )
@@ -228,10 +233,10 @@ def check_geometry(
     )
 
 
-def _spoils(fault: Fault) -> bool:
-    """Whether the geometry cannot be judged with a fault."""
+def _spoils(fault: Fault, turned_rad: float) -> bool:
+    """Whether the geometry, which a drive with turns would show, cannot be judged with a fault."""
     if fault.code == "lag":
-        return fault.size > LARGEST_LAG_S
+        return turned_rad >= LEAST_TURNED_RAD and fault.size > LARGEST_LAG_S
     return fault.code in UNJUDGED and "_acc" not in fault.sensor
 
 

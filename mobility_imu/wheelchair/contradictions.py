@@ -24,6 +24,7 @@ from mobility_imu.offsets import (
     without_offsets,
 )
 from mobility_imu.recording import Recording
+from mobility_imu.results import Result
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
 from mobility_imu.wheelchair.lags import Lag, lag_between
 from mobility_imu.wheelchair.mount import WheelchairMount
@@ -67,8 +68,8 @@ class Gain:
     correlation: float
 
 
-@dataclass(frozen=True, eq=False)
-class Witnesses:
+@dataclass(frozen=True, eq=False, repr=False)
+class Witnesses(Result):
     """What the sensors of a chair say of the same motion.
 
     Parameters

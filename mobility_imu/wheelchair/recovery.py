@@ -56,18 +56,21 @@ __all__ = [
 
 Flags = NDArray[np.bool_]
 CHAIR = ("frame", "left_wheel", "right_wheel")
+FEWEST_AT_END = 3
+"""Samples at the end of a range; fewer are a peak that happens to be as high."""
 SHORTEST_HELD = 4
 LARGEST_CHANCE, LEAST_CHANCE = 1e-4, 0.02
 """Of a repetition in a recording by noise alone; three axes repeat together at least so often."""
 FEWEST_CHANGES = 50
 QUIETEST = 0.2
+LEAST_CHANGE_RADPS = 1e-5
+"""A tenth of the finest steps that are sold; smaller changes are those of a computer's numbers."""
 BACK_AND_FORTH = -0.1
 """Correlation of one change with the next: -0.5 for white noise, near 1 for exact readings."""
 GRAVITY_S = 0.3
 """The turning of gravity is averaged over this: a quarter of a turn of a wheel at 1.5 m/s."""
-MOSTLY = 0.9
-"""With one wheel alone, an accelerometer that changes in more of the samples has noise; so has the
-gyroscope beside it, and a repetition is none of a steady motion."""
+LONGEST_SLIP_S, MOSTLY_APART = 2.0, 0.5
+"""A repetition that lasts longer, and that the others contradict most of the time, is no slip."""
 
 
 def failed_gyroscopes(
@@ -78,9 +81,9 @@ def failed_gyroscopes(
 ) -> dict[str, Flags]:
     """Where gyroscopes repeat their last reading, or are at the end of their range.
 
-    Exact readings of a steady motion, as simulated, repeat themselves as well: a repetition counts
-    if the other gyroscopes contradict it, or if the sensor's accelerometer, on a wheel that turns,
-    repeats itself too.
+    Exact readings of a steady motion, as simulated, repeat themselves as well: where no gyroscope
+    has noise, a repetition counts if the others contradict it for long, or if the sensor's
+    accelerometer, on a wheel that turns, repeats itself too.
 
     Parameters
     ----------
@@ -94,7 +97,11 @@ def failed_gyroscopes(
     dict from sensor to (n,) bool array; without the sensors that work throughout
     """
     rate = recording.sampling_rate_hz
-    found = dict(saturated_gyroscopes(recording, sensors))
+    found = {
+        name: flags
+        for name, flags in saturated_gyroscopes(recording, sensors).items()
+        if flags.sum() >= FEWEST_AT_END
+    }
     frozen = {
         name: frozen_gyroscope(recording.sensor(name).acc_mps2, recording.gyroscope(name), rate)
         | held_samples(recording.gyroscope(name))
@@ -103,10 +110,9 @@ def failed_gyroscopes(
     if not any(flags.any() for flags in frozen.values()):
         return found
     along = _along(recording, sensors, mount)
+    noisy = any(_is_noisy(recording.gyroscope(n)[~flags]) for n, flags in frozen.items())
     for name, flags in frozen.items():
-        real = _contradicted(recording, name, flags, along, geometry)
-        if _is_noisy(recording.gyroscope(name)[~flags]):
-            real |= flags
+        real = flags if noisy else _contradicted(recording, name, flags, along, geometry)
         if real.any():
             found[name] = found[name] | real if name in found else real
     return found
@@ -149,7 +155,9 @@ def _is_noisy(gyr: FloatArray) -> bool:
     size = np.linalg.norm(first, axis=1) + np.linalg.norm(second, axis=1)
     small = size <= np.quantile(size, QUIETEST)
     power = float((first[small] ** 2).sum() + (second[small] ** 2).sum()) / 2
-    return power > 0 and float((first[small] * second[small]).sum()) < BACK_AND_FORTH * power
+    if power <= LEAST_CHANGE_RADPS**2 * small.sum():
+        return False
+    return bool((first[small] * second[small]).sum() < BACK_AND_FORTH * power)
 
 
 def _along(
@@ -178,15 +186,15 @@ def _contradicted(
     """Repetitions that the other sensors, or the sensor's own accelerometer, contradict."""
     real = np.zeros_like(flags)
     if name not in along:
-        return flags
-    acc = recording.sensor(name).acc_mps2
-    tied = tied_rate(along, name, geometry) if len(along) == len(CHAIR) else None
+        return real
+    acc, rate = recording.sensor(name).acc_mps2, recording.sampling_rate_hz
+    tied = tied_rate(along, name, geometry) if len(along) == len(CHAIR) else along[name]
     for run in runs_of(flags):
         turns = name != "frame" and np.abs(along[name][run]).max() > LARGEST_OFFSET_RADPS
         held = turns and not np.diff(acc[run], axis=0).any()
-        apart = 0.0 if tied is None else np.abs(tied - along[name])[run].max()
-        live = np.diff(acc[run], axis=0).any(axis=1).mean() if tied is None else 0.0
-        real[run] = held or apart > LARGEST_OFFSET_RADPS or live > MOSTLY
+        apart = float((np.abs(tied - along[name])[run] > LARGEST_OFFSET_RADPS).mean())
+        long = run.stop - run.start > LONGEST_SLIP_S * rate
+        real[run] = held or (long and apart > MOSTLY_APART)
     return real
 
 

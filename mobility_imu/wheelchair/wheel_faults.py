@@ -30,6 +30,9 @@ __all__ = ["late", "other_axles", "other_spins", "wrong_offsets", "wrong_scales"
 LARGEST_AXLE_RAD = float(np.deg2rad(3.0))
 """Axle of a drive against that of the straight-line trial: real drives stay below 1.5 deg, and 3
 deg change the speed of a wheel by 0.1 %."""
+AXLE_SCATTERS = 1.5
+"""Times what is left across the axle: in two or three turns of a wheel the chair's own turn, which
+goes round with the wheel, does not cancel."""
 LEAST_LAG_SAMPLES = 0.8
 """A sensor's rows stand for some time within one sample: up to one lies between two sensors."""
 LEAST_LAG_SD_S = 0.001
@@ -65,15 +68,20 @@ def other_axles(w: Witnesses) -> Iterator[Fault]:
     known = {side: w.mount.rotation_imu_to_wheel(side)[2] for side in w.sides}
     axles = {side: found[0] for side, found in seen.items() if found and found[1] < 0.2}
     apart = {side: _between(axle, known[side]) for side, axle in axles.items()}
+    least = {
+        side: max(LARGEST_AXLE_RAD, AXLE_SCATTERS * found[1])
+        for side, found in seen.items()
+        if found
+    }
     if len(axles) == 2:
         crossed = max(
             _between(axles["left"], known["right"]), _between(axles["right"], known["left"])
         )
-        if max(apart.values()) > LARGEST_AXLE_RAD and crossed < LARGEST_AXLE_RAD:
+        if max(apart.values()) > max(least.values()) and crossed < max(least.values()):
             yield _exchanged(w.recording, in_trial=True)
             return
     for side, angle in apart.items():
-        if angle <= LARGEST_AXLE_RAD:
+        if angle <= least[side]:
             continue
         name = f"{side}_wheel"
         axle = axles[side] * _way_round(w, side, axles[side], known[side])

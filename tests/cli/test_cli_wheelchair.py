@@ -18,6 +18,7 @@ def test_from_raw_trial_to_chronogram(tmp_path, works):
         "slip",
         "linear_velocity_sd_mps",
         "yaw_rate_sd_degps",
+        "valid",
     ]
     truth = pd.read_csv(COURT / "truth.csv.gz")
     # Simulated noise and bias: 0.003 rad/s on the gyroscopes, times the radius.
