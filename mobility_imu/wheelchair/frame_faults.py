@@ -258,6 +258,8 @@ def at_odds(w: Witnesses) -> Iterator[Fault]:
     if speeds is None or "frame" in w.mute or w.by_gravity is None:
         return
     frame = w.yaw["frame"]
+    if _sign(speeds, frame, w.rate_hz) < 0:
+        return  # names or signs, which were told
     failed = np.zeros(len(frame), np.bool_)
     for flags in w.failed.values():
         failed |= flags

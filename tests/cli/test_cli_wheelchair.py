@@ -136,3 +136,24 @@ def test_bad_input(tmp_path, fails):
     figure = ["v.csv", "-o", "t.csv", "--figure", "chronogram.xyz"]
     fails("wheelchair", "tasks", *figure, says=["--figure", ".png"])
     fails("wheelchair", "tasks", "v.csv", "-o", "none/t.csv", says=["no such folder"])
+
+
+def test_a_fault_is_told_with_its_cost_and_refused_when_strict(tmp_path, works, fails):
+    """A wheel's gyroscope reads 6 % too much: told once, with what it moves; samples not valid."""
+    command = velocity()
+    court = pd.read_csv(command[2])
+    rates = [name for name in court if name.startswith("right_wheel_gyr")]
+    court[rates] *= 1.06
+    court.to_csv(tmp_path / "scaled.csv", index=False)
+    command[2] = tmp_path / "scaled.csv"
+    said = works(*command).stderr
+    assert said.count("right_wheel_gyr reads") == 1
+    assert "% too much, by the turns of the wheel as gravity counts them" in said
+    assert "it moves the speed by up to 0.0" in said and "and the distance by up to" in said
+    assert not pd.read_csv(tmp_path / "v.csv")["valid"].any()
+    (tmp_path / "v.csv").unlink()
+    fails(*command, "--strict", says=["right_wheel_gyr reads"])
+    assert not (tmp_path / "v.csv").exists()
+    trials = command[2:-2]
+    assert "right_wheel_gyr reads" in works("wheelchair", "check", *trials).stderr
+    fails("wheelchair", "check", *trials, "--strict", says=["right_wheel_gyr reads"])
