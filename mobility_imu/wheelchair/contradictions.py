@@ -360,18 +360,23 @@ def tilt_of(witnesses: Witnesses) -> tuple[FloatArray, float] | None:
 
 JUMP_TIMES, JUMP_TAIL = 10.0, 5.5
 """A lone reading counts that is so many times beyond what nine of ten readings around it do, and
-so many times beyond what two in a thousand of the whole recording do: on the real drives of a
-chair on grass, castors on cracks make up to 5 times that."""
+so many times beyond what two in a thousand of the whole recording do."""
 LEAST_JUMP_RADPS = 0.02
 RAREST = 0.002
+LEAST_LEVER_M = 0.05
+"""A blow that turns a sensor within one sample also pushes it, at this distance from the axis."""
 
 
-def lone_jumps(gyr_radps: FloatArray, sampling_rate_hz: float) -> NDArray[np.bool_]:
+def lone_jumps(
+    gyr_radps: FloatArray, acc_mps2: FloatArray, sampling_rate_hz: float
+) -> NDArray[np.bool_]:
     """Single readings of a gyroscope that lie far off between neighbours that agree.
+
+    A blow makes such readings too; the accelerometer beside it feels it.
 
     Parameters
     ----------
-    gyr_radps : (n, 3) array, rad/s
+    gyr_radps, acc_mps2 : (n, 3) arrays, rad/s and m/s²
     sampling_rate_hz : Hz
 
     Returns
@@ -382,6 +387,10 @@ def lone_jumps(gyr_radps: FloatArray, sampling_rate_hz: float) -> NDArray[np.boo
     far = np.zeros(count, np.bool_)
     if count < window:
         return far
+    bends = np.zeros(count)
+    change = acc_mps2[1:-1] - (acc_mps2[:-2] + acc_mps2[2:]) / 2
+    bends[1:-1] = np.linalg.norm(change, axis=1)
+    felt = ndimage.maximum_filter1d(bends, 5)
     for axis in gyr_radps.T:
         size = np.zeros(count)
         size[1:-1] = np.abs(axis[1:-1] - (axis[:-2] + axis[2:]) / 2)
@@ -396,5 +405,6 @@ def lone_jumps(gyr_radps: FloatArray, sampling_rate_hz: float) -> NDArray[np.boo
         )
         times = np.where(agree, size / np.maximum(usual, 1e-3), 0.0)
         least = max(JUMP_TIMES, JUMP_TAIL * float(np.quantile(times, 1 - RAREST)))
-        far |= (times > least) & (size > LEAST_JUMP_RADPS)
+        blow = felt > LEAST_LEVER_M * size * sampling_rate_hz
+        far |= (times > least) & (size > LEAST_JUMP_RADPS) & ~blow
     return far

@@ -222,7 +222,7 @@ def _of_one_sensor(
             continue
         if ("frozen", name) not in told:
             yield from _held(recording, name, failed, geometry, mount)
-        far = lone_jumps(imu.gyr_radps, recording.sampling_rate_hz)
+        far = lone_jumps(imu.gyr_radps, imu.acc_mps2, recording.sampling_rate_hz)
         far &= ~failed.get(name, np.zeros_like(far))
         if ("spike", name) not in told and far.any():
             bridge = interpolated(recording, name, "gyr", far).gyroscope(name)

@@ -458,15 +458,16 @@ def replaced(
     new, _ = recovered(rates, forces, {sensor: good}, geometry, rate)
     along = new[sensor][:, 2]
     values = np.array(mended.gyroscope(sensor))
+    axis = turn[sensor][2]
+    offset = offsets[sensor].offset_radps if sensor in offsets else np.zeros(3)
     if at_end:
         # Cut peaks: the others err where a wheel slips, the curve where much is lost.
-        curve = (values - getattr(offsets.get(sensor), "offset_radps", 0.0)) @ turn[sensor][2]
-        along = np.median(
-            [along, curve, _by_gravity(rates, forces, sensor, geometry, rate)], axis=0
-        )
-    values[good] = along[good, None] * turn[sensor][2]
-    if sensor in offsets:
-        values[good] += offsets[sensor].offset_radps
+        curve = (values - offset) @ axis
+        gravity = _by_gravity(rates, forces, sensor, geometry, rate)
+        along = np.median([along, curve, gravity], axis=0)
+        values[good] += (along - curve)[good, None] * axis
+    else:
+        values[good] = along[good, None] * axis + offset
     return with_half(mended, sensor, "gyr", values)
 
 
