@@ -202,7 +202,7 @@ def wrong_scale_or_offset(w: Witnesses) -> Iterator[Fault]:
     """
     if "frame" in w.mute or w.by_gravity is None:
         return
-    gain = gain_of(w.by_gravity, w.yaw["frame"], w.rate_hz)
+    gain = _against_wheels(w)
     if gain is None or gain.correlation < ALIKE or gain.gain < SIGN:
         return
     whole = np.ones(len(w.recording), np.bool_)
@@ -219,6 +219,22 @@ def wrong_scale_or_offset(w: Witnesses) -> Iterator[Fault]:
     if "frame" not in w.own_offsets and abs(offset) > max(LEAST_OFFSET_RADPS, SURE * offset_sd):
         up = w.mount.rotation_frame_imu_to_chair[2]
         yield offset_fault(w.recording, "frame", offset * up, offset_sd, "both wheels")
+
+
+def _against_wheels(w: Witnesses) -> Gain | None:
+    """Gain and constant of the frame's yaw rate; what the two wheels differ by counts as error."""
+    found = [gain_of(w.yaw[f"{side}_wheel"], w.yaw["frame"], w.rate_hz) for side in w.sides]
+    known = [gain for gain in found if gain is not None]
+    if len(known) < len(found):
+        return None
+    gains, constants = ([getattr(g, n) for g in known] for n in ("gain", "constant_radps"))
+    return Gain(
+        float(np.mean(gains)),
+        float(np.hypot(max(g.gain_sd for g in known), np.ptp(gains) / 2)),
+        float(np.mean(constants)),
+        float(np.hypot(max(g.constant_sd_radps for g in known), np.ptp(constants) / 2)),
+        min(g.correlation for g in known),
+    )
 
 
 def _scale(w: Witnesses, by_gravity: Gain) -> tuple[float, float]:

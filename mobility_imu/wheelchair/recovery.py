@@ -58,6 +58,8 @@ Flags = NDArray[np.bool_]
 CHAIR = ("frame", "left_wheel", "right_wheel")
 FEWEST_AT_END = 3
 """Samples at the end of a range; fewer are a peak that happens to be as high."""
+LEAST_TURNED_RAD, LEAST_CORRELATION = np.pi / 2, 0.98
+"""Turn of the chair, and agreement, by which the wheels' own yaw rate shows that it can be used."""
 SHORTEST_HELD = 4
 LARGEST_CHANCE, LEAST_CHANCE = 1e-4, 0.02
 """Of a repetition in a recording by noise alone; three axes repeat together at least so often."""
@@ -232,9 +234,9 @@ def recovered(
 ) -> tuple[dict[str, FloatArray], dict[str, Flags]]:
     """Replace what a failed gyroscope reads by what the two others say.
 
-    A wheel's rate comes from the other wheel and the frame; the frame's from the wheels' own
+    A wheel's rate comes from the other wheel and the frame. The frame's comes from the wheels' own
     gyroscopes along up (:func:`~mobility_imu.wheelchair.turning.yaw_rate_of_wheel`), where slip
-    does not enter.
+    does not enter, if these go with the frame while it works; else from the wheels' speeds.
 
     Parameters
     ----------
@@ -255,9 +257,13 @@ def recovered(
     if any(name not in rates for name in CHAIR):
         return new, dict(failed)
     along = {name: rate[:, 2] for name, rate in rates.items()}
-    others = {n: tied_rate(along, n, geometry) for n in failed if n != "frame"}
+    others = {name: tied_rate(along, name, geometry) for name in failed}
     if "frame" in failed:
-        others["frame"] = _yaw_of_wheels(rates, forces, geometry, sampling_rate_hz)
+        own = _yaw_of_wheels(rates, forces, geometry, sampling_rate_hz)
+        works = ~np.any(list(failed.values()), axis=0)
+        gain = _gain_while_it_works(own[works], along["frame"][works], sampling_rate_hz)
+        if gain is not None:
+            others["frame"] = gain * own
     together = sum(flags.astype(int) for flags in failed.values())
     lost = {}
     for name, flags in failed.items():
@@ -283,6 +289,19 @@ def _yaw_of_wheels(
         for name in CHAIR[1:]
     ]
     return np.asarray(np.mean(known, axis=0))
+
+
+def _gain_while_it_works(
+    first: FloatArray, second: FloatArray, sampling_rate_hz: float
+) -> float | None:
+    """Factor on the first series that gives the second; None if they do not go together."""
+    if np.abs(second).sum() / sampling_rate_hz < LEAST_TURNED_RAD or not first.any():
+        return None
+    power = float(first @ first)
+    together = float(first @ second)
+    if abs(together) < LEAST_CORRELATION * np.sqrt(power * float(second @ second)):
+        return None
+    return together / power
 
 
 def recovery_warnings(

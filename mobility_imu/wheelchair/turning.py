@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from mobility_imu.frames import FloatArray, as_number, as_series, as_vectors
 
-__all__ = ["SpinFit", "spin_fit", "upward_angle", "yaw_rate_of_wheel"]
+__all__ = ["SpinFit", "spin_fit", "upward_angle", "without_arm", "yaw_rate_of_wheel"]
 
 STEADY_S = 0.1
 """Accelerations are averaged over this: a wheel at 4 m/s turns by a fifth of a turn in it."""
@@ -24,6 +24,8 @@ TIED_S = 1.0
 LEAST_SPIN_RADPS = 0.5
 """A wheel counts as turning from here on: 0.15 m/s."""
 SHORTEST_TURNING_S = 5.0
+LEAST_FACTOR = 0.2
+"""No gyroscope reads five times too much: it is gravity that is not seen to turn."""
 LEAST_TURNED_RAD = 4 * np.pi
 """Two turns of the wheel, of which gravity's noise (0.1 rad) is less than 1 %."""
 PIECE_S = 2.0
@@ -110,6 +112,41 @@ def upward_angle(acc_wheel_mps2: ArrayLike, sampling_rate_hz: float) -> FloatArr
     return np.unwrap(np.arctan2(in_plane[:, 1], in_plane[:, 0]))
 
 
+def without_arm(
+    acc_wheel_mps2: ArrayLike, spin_radps: ArrayLike, sampling_rate_hz: float
+) -> FloatArray:
+    """Accelerations without what the sensor's distance from the axle adds.
+
+    A sensor at r in the wheel's plane is pulled inward by spin squared times r; on a rim, at speed,
+    by more than gravity. This part stands still in the wheel's axes while gravity goes round, so
+    that r is found by least squares.
+
+    Parameters
+    ----------
+    acc_wheel_mps2 : (n, 3) array, m/s², in the wheel's frame: z is the axle
+    spin_radps : (n,) array, rad/s
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    (n, 3) array, m/s²
+    """
+    acc = np.array(as_vectors(acc_wheel_mps2, "acc_wheel_mps2", ndim=2))
+    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    spin = ndimage.uniform_filter1d(
+        as_series(spin_radps, "spin_radps", length=len(acc)), max(1, round(STEADY_S * rate))
+    )
+    pull = -(spin**2) + 1j * np.gradient(spin) * rate
+    power = float((np.abs(pull) ** 2).sum())
+    if power == 0:
+        return acc
+    in_plane = acc[:, 0] + 1j * acc[:, 1]
+    part = (np.vdot(pull, in_plane) / power) * pull
+    acc[:, 0] -= part.real
+    acc[:, 1] -= part.imag
+    return acc
+
+
 def spin_fit(
     acc_wheel_mps2: ArrayLike, spin_radps: ArrayLike, sampling_rate_hz: float
 ) -> SpinFit | None:
@@ -132,6 +169,7 @@ def spin_fit(
     acc = as_vectors(acc_wheel_mps2, "acc_wheel_mps2", ndim=2)
     spin = as_series(spin_radps, "spin_radps", length=len(acc))
     rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    acc = without_arm(acc, spin, rate)
     turned = np.cumsum(spin) / rate
     angle = -upward_angle(acc, rate)
     smooth = ndimage.uniform_filter1d(spin, max(1, round(STEADY_S * rate)))
@@ -156,7 +194,7 @@ def spin_fit(
         return None
     piece = np.arange(len(acc)) // max(1, round(PIECE_S * rate))
     found, covariance, scatter = _fit(design, left, piece)
-    if not scatter < LARGEST_SCATTER_RAD or found[0] == 0:
+    if not scatter < LARGEST_SCATTER_RAD or not abs(found[0]) > LEAST_FACTOR:
         return None
     return SpinFit(
         float(found[0]),
@@ -234,6 +272,7 @@ def yaw_rate_of_wheel(
     gyr = as_vectors(gyr_wheel_radps, "gyr_wheel_radps", ndim=2)
     acc = as_vectors(acc_wheel_mps2, "acc_wheel_mps2", length=len(gyr))
     rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    acc = without_arm(acc, gyr[:, 2], rate)
     turned = np.cumsum(gyr[:, 2]) / rate
     in_plane = (acc[:, 0] + 1j * acc[:, 1]) * np.exp(1j * turned)
     up = _averaged(in_plane, max(1, round(TIED_S * rate))) * np.exp(-1j * turned)
