@@ -43,7 +43,7 @@ SLOW_TURN_RADPS = 0.3
 LARGEST_PUSH_MPS2 = 1.0
 """Specific force within this of gravity, averaged over a second, shows up to 6 deg."""
 LEAST_TURNED_RAD = np.pi
-"""Half a turn in all, to whichever side: below it, nothing is said of the frame's yaw rate."""
+"""Half a turn in all, to whichever side, is needed to judge the frame's yaw rate."""
 PIECE_S = 2.0
 MOST_FITS = 15
 ALIKE = 0.95
@@ -80,7 +80,7 @@ class Witnesses(Result):
     given : offsets of other recordings
     failed : sensor to (n,) bool array, gyroscopes that fail
     settings : VelocitySettings
-    mute : sensors whose gyroscope fails so long that it is no witness
+    mute : sensors whose gyroscope fails too long to judge others by
     """
 
     recording: Recording

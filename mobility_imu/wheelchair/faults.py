@@ -36,7 +36,7 @@ LEAST_COST = {"m/s": 1e-3, "deg/s": 1e-2, "m": 1e-3, "deg": 1e-2}
 SLOWEST_HZ = 10.0
 """A wheel at 4 m/s turns twice in a second: slower recordings do not show its turning."""
 MUTE_PART = 0.3
-"""A gyroscope that fails for more of the time is no witness against others."""
+"""A gyroscope that fails for more of the time is not used to judge others."""
 
 Look = Callable[[Witnesses], Iterator[Fault]]
 LOOKS: tuple[Look, ...] = (
