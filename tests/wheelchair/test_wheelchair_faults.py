@@ -9,8 +9,16 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.reproduction.recorded import numbers
 from mobility_imu.reproduction.wheelchair.fault_kinds import KINDS, MODELS, clean_drive
-from mobility_imu.reproduction.wheelchair.faults import example, false_alarms, one_case, summary_of
+from mobility_imu.reproduction.wheelchair.faults import (
+    CASES,
+    cases_table,
+    example,
+    false_alarms,
+    one_case,
+    summary_of,
+)
 from mobility_imu.simulation import faults as inject
 from mobility_imu.simulation.sensor import MTI_1, REAL
 from mobility_imu.wheelchair import VelocitySettings, estimate_velocity, find_faults
@@ -343,3 +351,21 @@ def test_an_example_for_a_drawing():
 
 def test_the_real_level_has_scale_errors_of_a_percent():
     assert REAL.gyr.scale_sd == 0.01 and MODELS["real, punctual"].gyr.scale_sd == 0.003
+
+
+def test_the_record_as_a_table():
+    record = numbers("faults_wheelchair")
+    table = cases_table(record)
+    assert set(table["kind"]) == set(KINDS) and (table.groupby("kind").size() == CASES).all()
+    for row in record["kinds"]:
+        mine = table[table["kind"] == row["kind"]]
+        assert (mine["found_as"] == "refused").sum() == row["refused"]
+        assert mine["matters"].sum() == row["matter"]
+        assert (mine["matters"] & (mine["found_as"].fillna("") != "")).sum() == row["found"]
+
+
+def test_hardly_anything_is_told_of_drives_without_a_fault():
+    clean = numbers("faults_wheelchair")["clean"]
+    without = [clean[name] for name in MODELS]
+    drives, alarms = (sum(one[key] for one in without) for key in ("drives", "with_alarm"))
+    assert drives >= 200 and alarms <= 0.01 * drives
