@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from itertools import product
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -23,13 +24,14 @@ from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
 from mobility_imu.wheelchair.contradictions import Witnesses, axle_of
 from mobility_imu.wheelchair.geometry import Side
+from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.recovery import tied_rate
+from mobility_imu.wheelchair.turning import yaw_rate_of_wheel
 
 __all__ = ["late", "other_axles", "other_spins", "wrong_offsets", "wrong_scales"]
 
-LARGEST_AXLE_RAD = float(np.deg2rad(3.0))
-"""Axle of a drive against that of the straight-line trial: real drives stay below 1.5 deg, and 3
-deg change the speed of a wheel by 0.1 %."""
+LARGEST_AXLE_RAD = float(np.deg2rad(2.0))
+"""Axle of a drive against that of the straight-line trial: real drives stay below 1.5 deg."""
 AXLE_SCATTERS = 1.5
 """Times what is left across the axle: in two or three turns of a wheel the chair's own turn, which
 goes round with the wheel, does not cancel."""
@@ -37,6 +39,9 @@ LEAST_LAG_SAMPLES = 0.8
 """A sensor's rows stand for some time within one sample: up to one lies between two sensors."""
 LEAST_LAG_SD_S = 0.001
 """Standard deviation of a lag at least: vibration is no movement of the whole chair."""
+SURE_SIGN = 0.5
+GO_TOGETHER, APART = 0.95, 0.9
+"""Correlations of yaw rates that surely are of one motion, and of such that are not."""
 SURE = 4.0
 """Standard deviations from which on a difference is told; by chance once in 10,000 times."""
 LEAST_SCALE = 0.0125
@@ -161,7 +166,7 @@ def exchanged_wheels(w: Witnesses) -> Fault:
 
 
 def other_spins(w: Witnesses) -> Iterator[Fault]:
-    """A wheel's gyroscope whose spin goes against the turning of gravity.
+    """A wheel's gyroscope some of whose axes have the wrong sign.
 
     Parameters
     ----------
@@ -172,15 +177,50 @@ def other_spins(w: Witnesses) -> Iterator[Fault]:
     Fault
     """
     for side in w.sides:
-        fit = w.spin_fit(side)
-        if fit is not None and fit.factor < -0.5:
-            name = f"{side}_wheel"
-            yield fault_of(
-                w.recording, "reversed", f"{name}_gyr", np.ones(len(w.recording), np.bool_),
-                "turns the other way than gravity shows: the gyroscope or the accelerometer has "
-                "the wrong sign; check the export's axes",
-                repair=partial(multiplied, sensor=name, half="gyr", factors=-1.0),
-            )  # fmt: skip
+        fit, name = w.spin_fit(side), f"{side}_wheel"
+        signs = (
+            (-1.0, -1.0, -1.0) if fit is not None and fit.factor < -SURE_SIGN else _signs(w, side)
+        )
+        if signs is None:
+            continue
+        bad = [axis for axis, sign in zip("xyz", signs, strict=True) if sign < 0]
+        what = "the gyroscope" if len(bad) == 3 else f"axis {', '.join(bad)} of the gyroscope"
+        yield fault_of(
+            w.recording, "reversed", f"{name}_gyr", np.ones(len(w.recording), np.bool_),
+            f"turns the other way than gravity shows: {what} has the wrong sign, or the "
+            "accelerometer has; check the export's axes",
+            repair=partial(multiplied, sensor=name, half="gyr", factors=np.array(signs)),
+        )  # fmt: skip
+
+
+def _signs(w: Witnesses, side: Side) -> tuple[float, ...] | None:
+    """Signs of a wheel's axes with which its own yaw rate goes with the two other sensors'.
+
+    An axis across the axle with the wrong sign leaves the spin nearly as it is, and makes nonsense
+    of the chair's turn, which goes round across the axle.
+    """
+    name, others = f"{side}_wheel", [n for n in w.yaw if n != f"{side}_wheel"]
+    if len(others) < 2 or not w.turns(others[0]):
+        return None
+    first, second = (w.yaw[other] for other in others)
+    together = _correlation(first, second, w.rate_hz)
+    if together < GO_TOGETHER or _correlation(first, w.yaw[name], w.rate_hz) > APART:
+        return None
+    turn = w.mount.rotation_imu_to_wheel(side)
+    best, most = None, GO_TOGETHER
+    for signs in product((1.0, -1.0), repeat=3):
+        gyr = (w.at_rest.gyroscope(name) * np.array(signs)) @ turn.T
+        yaw = yaw_rate_of_wheel(gyr, w.forces[name], w.geometry.camber_rad, w.rate_hz)
+        found = _correlation(first, yaw, w.rate_hz)
+        if found > most:
+            best, most = signs, found
+    return best if best is not None and min(best) < 0 else None
+
+
+def _correlation(first: FloatArray, second: FloatArray, rate_hz: float) -> float:
+    """Of two series at the lag that suits them best; 0 where they do not go together."""
+    lag = lag_between(first, second, rate_hz)
+    return 0.0 if lag is None else lag.correlation
 
 
 def late(w: Witnesses) -> Iterator[Fault]:

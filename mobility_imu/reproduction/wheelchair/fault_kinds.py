@@ -279,7 +279,11 @@ def reversed_gyroscope(drive: Drive, rng: np.random.Generator) -> Injected:
 
 
 def left_handed(drive: Drive, rng: np.random.Generator) -> Injected:
-    """One axis of a gyroscope has the wrong sign in the trial; the size is its part of the turn."""
+    """One axis of a gyroscope has the wrong sign in the trial; the size is its part of the turn.
+
+    On a level floor the frame turns about the vertical only: an axis whose part of it is a then
+    reads as if the scale were off by 2 a, and "scale" is a right name.
+    """
     sensor, axis = _sensor(rng), int(rng.integers(3))
     signs = np.ones(3)
     signs[axis] = -1.0
@@ -360,7 +364,7 @@ KINDS: dict[str, tuple[Injection, frozenset[str], bool]] = {
     "turned frame": (turned_frame, frozenset({"turned"}), True),
     "turned wheel": (turned_wheel, frozenset({"turned"}), True),
     "reversed gyroscope": (reversed_gyroscope, frozenset({"reversed"}), True),
-    "left-handed": (left_handed, frozenset({"reversed", "turned"}), True),
+    "left-handed": (left_handed, frozenset({"reversed", "turned", "scale"}), True),
     "clock": (clock, frozenset({"clock"}), True),
     "static trial tipped": (tipped_static, frozenset({"turned"}), True),
     "straight trial turns": (turning_straight, frozenset(), True),
