@@ -32,6 +32,8 @@ SPIKE_MPS2, SPIKE_RADPS = 100.0, 10.0
 wheel needs more than two samples for it."""
 SPIKE_TIMES = 20.0
 """... and by so many times the usual change from sample to sample."""
+SHORTEST_AT_END_S = 0.05
+"""Fewer equal readings at the largest size come by chance, where readings are doubled."""
 OFTEN_AT_END = 0.05
 """Part of the samples that only a cut range leaves exactly at an axis' largest value."""
 SMOOTHED_S = 0.1
@@ -84,9 +86,11 @@ def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:
 
     for half, values, spike, unit in halves:
         label = f"{name}_{half}"
-        frozen = frozen_samples(values, rate, follows=felt if half == "acc" else ())
-        if half == "gyr":
-            frozen = frozen | _silent(imu.acc_mps2, values, rate)
+        frozen = (
+            frozen_samples(values, rate, follows=felt)
+            if half == "acc"
+            else frozen_gyroscope(imu.acc_mps2, values, rate)
+        )
         if frozen.any():
             yield fault_of(
                 recording, "frozen", label, frozen,
@@ -107,7 +111,8 @@ def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:
                 f"jumps for single samples (to {largest:.3g} {unit} at most), which no movement "
                 "does; remove them", size=largest, unit=unit, repair=bridged(far),
             )  # fmt: skip
-        cut = (saturated_samples(values) | _pinned(values)) & ~frozen
+        shortest = max(3, round(SHORTEST_AT_END_S * rate))
+        cut = (saturated_samples(values, run=shortest) | _pinned(values)) & ~frozen
         if cut.any():
             largest = float(np.abs(values[cut]).max())
             yield fault_of(
@@ -144,6 +149,25 @@ def fault_of(
     where = "" if flags.all() else f" in {int(flags.sum())} samples, first at {first:.2f} s,"
     sentence = f"{recording.source}: {sensor}{where} {what}"
     return Fault(code, sensor, first, flags, sentence, size, unit, repair)
+
+
+def frozen_gyroscope(
+    acc_mps2: FloatArray, gyr_radps: FloatArray, sampling_rate_hz: float
+) -> NDArray[np.bool_]:
+    """Where a gyroscope repeats its last reading, or says one number while gravity turns.
+
+    Parameters
+    ----------
+    acc_mps2, gyr_radps : (n, 3) arrays, m/s² and rad/s, of one sensor
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    return np.asarray(
+        frozen_samples(gyr_radps, sampling_rate_hz) | _silent(acc_mps2, gyr_radps, sampling_rate_hz)
+    )
 
 
 def _silent(acc: FloatArray, gyr: FloatArray, rate_hz: float) -> NDArray[np.bool_]:

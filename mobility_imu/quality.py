@@ -44,8 +44,10 @@ no accident."""
 LONG_PLATEAU = 8
 LARGEST_LOOK = 10
 """Samples beyond a plateau at which it is looked at how far the readings have fallen, at most."""
-FELT_FRACTION = 0.1
-"""Fraction of a reading's length by which another sensor has to expect a change (6 deg of tilt)."""
+LARGEST_OFFSET_RADPS = 0.15
+"""No gyroscope that is sold has a larger offset (8.6 deg/s)."""
+FELT_FRACTION = 0.15
+"""Fraction of a reading's length by which another sensor has to expect a change (9 deg of tilt)."""
 
 
 class Resolution(NamedTuple):
@@ -187,8 +189,9 @@ def turned_gravity(
 ) -> FloatArray:
     """Accelerations that a gyroscope expects of an accelerometer beside it, up to a constant.
 
-    A force that stays as it is in the world turns in the sensor's axes by -rate x force. The rate's
-    median over the recording is taken for the gyroscope's offset.
+    A force that stays as it is in the world turns in the sensor's axes by -rate x force. The mean
+    rate of the quietest second is taken for the gyroscope's offset, if an offset can be so large;
+    the median would be the spin of a wheel.
 
     Parameters
     ----------
@@ -201,9 +204,19 @@ def turned_gravity(
     (n, 3) array, m/s²; its differences are right for a second or so
     """
     acc, gyr = _readings(acc_mps2), _readings(gyr_radps)
-    rate = gyr - np.median(gyr, axis=0) if len(gyr) else gyr
     step_s = 1 / as_number(sampling_rate_hz, "sampling_rate_hz")
+    rate = gyr - _quiet_rate(gyr, max(2, round(1 / step_s))) if len(gyr) else gyr
     return np.cumsum(-np.cross(rate, acc) * step_s, axis=0)
+
+
+def _quiet_rate(gyr: FloatArray, window: int) -> FloatArray:
+    """Mean rate where it changes least over a window; zero if no offset is so large."""
+    window = min(window, len(gyr))
+    mean = ndimage.uniform_filter1d(gyr, window, axis=0)
+    spread = ndimage.uniform_filter1d(gyr**2, window, axis=0) - mean**2
+    inside = slice(window // 2, max(len(gyr) - window // 2, window // 2 + 1))
+    quiet = mean[inside][int(np.argmin(spread[inside].sum(axis=1)))]
+    return quiet if np.abs(quiet).max() <= LARGEST_OFFSET_RADPS else np.zeros(3)
 
 
 def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import read_input
+from mobility_imu.cli.inputs import read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
 from mobility_imu.errors import InputError, needs
 from mobility_imu.files import Outputs, csv_bytes, figure_bytes
 
 if TYPE_CHECKING:
+    from mobility_imu.faults import Fault
     from mobility_imu.readers.velocities import VelocitySeries
     from mobility_imu.recording import Recording
-    from mobility_imu.wheelchair import GeometryCheck, Tasks, TaskSettings, WheelchairCalibration
+    from mobility_imu.wheelchair import (
+        GeometryCheck,
+        Tasks,
+        TaskSettings,
+        VelocitySettings,
+        WheelchairCalibration,
+    )
 
 Camber = Literal["sign-safe", "printed"]
 Smoothing = Literal["none", "moving-average", "savitzky-golay"]
@@ -62,31 +70,41 @@ def velocity(
     """Linear velocity and yaw rate of a chair from wheel and frame IMUs (WheelMove-ID)."""
     from mobility_imu.cli.summaries import read_line, velocity_lines, written_line
     from mobility_imu.wheelchair import (
-        VelocitySettings,
         WheelchairGeometry,
         estimate_velocity,
+        find_faults,
         smooth_recording,
     )
+    from mobility_imu.wheelchair.faults import with_valid
 
     trials = (trial, static, straight)
     outputs = Outputs({"--output": output}, (*_files(trials), geometry))
     chair = WheelchairGeometry.from_toml(geometry)
+    read = _read(trials, sampling_rate_hz, fill_gaps_s, strict)
     drive, still, line = (
         smooth_recording(recording, smoothing, window=filter_window, order=filter_order)
-        for recording in _read(trials, sampling_rate_hz, fill_gaps_s, strict)
+        for recording in read
     )
     calibration = _calibrated(drive, still, line, take_off_offsets=camber != "printed")
-    settings = (
-        VelocitySettings(form="printed", slip_correction=slip_correction, slip_method="tool")
-        if camber == "printed"
-        else VelocitySettings(slip_correction=slip_correction)
-    )
+    settings = _settings(camber, slip_correction)
+    # Smoothing hides what repeats itself: faults are looked for in what was recorded.
+    faults = find_faults(read[0], chair, calibration.mount, settings, offsets=calibration.offsets)
+    tell_faults((*_of_trials(read[1:]), *faults), strict)
     found = estimate_velocity(
         drive, chair, calibration.mount, settings, offsets=calibration.offsets
     )
-    warn((*calibration.warnings, *found.warnings))
+    found = with_valid(found, faults)
+    warn(_untold((*calibration.warnings, *found.warnings)))
     outputs.write({output: csv_bytes(found.to_frame(), output)})
     summarize([read_line(drive), *velocity_lines(found), written_line([output])], quiet)
+
+
+def _settings(camber: Camber, slip_correction: bool) -> VelocitySettings:
+    from mobility_imu.wheelchair import VelocitySettings
+
+    if camber == "printed":
+        return VelocitySettings(form="printed", slip_correction=slip_correction, slip_method="tool")
+    return VelocitySettings(slip_correction=slip_correction)
 
 
 def _calibrated(
@@ -99,6 +117,21 @@ def _calibrated(
         if name in drive.sensors:
             line.sensor(name, gyroscope=True)
     return calibrate_mount(still, line, take_off_offsets=take_off_offsets)
+
+
+def _of_trials(trials: Sequence[Recording]) -> Iterator[Fault]:
+    """Faults of the calibration's trials; an accelerometer of a wheel is not used there."""
+    from mobility_imu.health import examine
+
+    for trial in trials:
+        for fault in examine(trial):
+            if not fault.sensor.endswith("wheel_acc"):
+                yield fault
+
+
+def _untold(sentences: Sequence[str]) -> list[str]:
+    """Without the warnings of gyroscopes at the end of their range: they are told as faults."""
+    return [sentence for sentence in sentences if "is at the end of its range" not in sentence]
 
 
 def _files(trials: tuple[Path, ...]) -> list[Path]:
@@ -145,11 +178,13 @@ def check(
 ) -> None:
     """Whether track, radii and camber fit what the frame's gyroscope says of the turns."""
     from mobility_imu.cli.summaries import check_lines, read_line
-    from mobility_imu.wheelchair import WheelchairGeometry, check_geometry
+    from mobility_imu.wheelchair import WheelchairGeometry, check_geometry, find_faults
 
     chair = WheelchairGeometry.from_toml(geometry)
     drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s, strict)
     calibration = _calibrated(drive, still, line)
+    faults = find_faults(drive, chair, calibration.mount, offsets=calibration.offsets)
+    tell_faults((*_of_trials((still, line)), *faults), strict)
     found = check_geometry(
         drive,
         chair,
@@ -158,16 +193,17 @@ def check(
         gyr_scale_sd=gyroscope_scale_percent / 100,
     )
     warn(calibration.warnings)
-    typer.echo(check_text(found))
+    typer.echo(check_text(found, told=[fault.sentence for fault in faults]))
     summarize([read_line(drive), *check_lines(found)], quiet)
 
 
-def check_text(found: GeometryCheck) -> str:
+def check_text(found: GeometryCheck, told: Collection[str] = ()) -> str:
     """Lines that ``wheelchair check`` prints.
 
     Parameters
     ----------
     found : GeometryCheck
+    told : sentences on faults that were told on the error stream, and are left out here
 
     Returns
     -------
@@ -193,7 +229,7 @@ def check_text(found: GeometryCheck) -> str:
         ]
     if found.fits:
         lines.append("- the geometry fits")
-    lines += [f"- {message}" for message in found.warnings]
+    lines += [f"- {message}" for message in found.warnings if message not in told]
     return "\n".join(lines)
 
 

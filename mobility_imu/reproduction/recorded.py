@@ -132,6 +132,12 @@ STUDIES: dict[str, Study] = {
         )
         for name in names
     },
+    "faults_wheelchair": Study(
+        "mobility_imu.reproduction.wheelchair.faults",
+        "study",
+        "7000 to 7024 for the courts, with the kind's and the case's numbers for places and sizes; "
+        "8000 to 11069 for courts without a fault",
+    ),
     "dropped_chairs": Study(
         "mobility_imu.reproduction.wheelchair.held",
         "dropped_chairs",

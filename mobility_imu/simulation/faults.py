@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
 from mobility_imu.frames import FloatArray, as_floats, as_number, as_rotation, one_of
 from mobility_imu.recording import Imu, Recording
@@ -17,11 +18,13 @@ __all__ = [
     "exchange",
     "freeze",
     "late",
+    "mirror",
     "offset",
     "reverse",
     "scale",
     "silence",
     "spike",
+    "tip",
     "turn",
 ]
 
@@ -215,6 +218,55 @@ def turn(recording: Recording, sensor: str, rotation: ArrayLike) -> Recording:
     imu = recording.sensor(sensor)
     gyr = None if imu.gyr_radps is None else imu.gyr_radps @ rotation.T
     return _replaced(recording, {sensor: Imu(imu.acc_mps2 @ rotation.T, gyr)})
+
+
+def tip(
+    recording: Recording,
+    sensor: str,
+    axis: ArrayLike,
+    angle_rad: float,
+    start_s: float,
+    length_s: float,
+) -> Recording:
+    """Recording of a sensor that is tipped over during the recording, and stays so.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    axis : (3,) array, in the sensor's axes, about which it is tipped
+    angle_rad : rad
+    start_s : s after the recording's start
+    length_s : s, in which it is tipped, at one rate
+
+    Returns
+    -------
+    Recording
+    """
+    unit = as_floats(axis, "axis") / np.linalg.norm(as_floats(axis, "axis"))
+    imu, time_s = recording.sensor(sensor), recording.time_s - recording.time_s[0]
+    part = np.clip((time_s - start_s) / as_number(length_s, "length_s"), 0.0, 1.0)
+    back = Rotation.from_rotvec(-part[:, None] * angle_rad * unit)
+    rate = np.where((part > 0) & (part < 1), angle_rad / length_s, 0.0)
+    gyr = back.apply(recording.gyroscope(sensor).copy()) + rate[:, None] * unit
+    return _replaced(recording, {sensor: Imu(back.apply(imu.acc_mps2.copy()), gyr)})
+
+
+def mirror(recording: Recording, sensor: str, half: str, signs: ArrayLike) -> Recording:
+    """Recording in which axes of one half of a sensor have the wrong sign.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    half : "acc" or "gyr"
+    signs : (3,) array of 1 and -1
+
+    Returns
+    -------
+    Recording
+    """
+    return scale(recording, sensor, half, signs)
 
 
 def _half(recording: Recording, sensor: str, half: str) -> FloatArray:

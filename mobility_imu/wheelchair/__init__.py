@@ -2,6 +2,7 @@
 
 from mobility_imu.wheelchair.calibration import WheelchairCalibration, calibrate_mount
 from mobility_imu.wheelchair.check import GeometryCheck, check_geometry
+from mobility_imu.wheelchair.faults import find_faults
 from mobility_imu.wheelchair.geometry import SAMPLE_CHAIR, WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
 from mobility_imu.wheelchair.outcomes import Pushes, PushSettings, detect_pushes, task_events
@@ -46,6 +47,7 @@ __all__ = [
     "detect_pushes",
     "detect_slip",
     "estimate_velocity",
+    "find_faults",
     "identify_tasks",
     "read_settings",
     "slip_report",

@@ -20,9 +20,9 @@ from scipy import ndimage
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
+from mobility_imu.faults import Fault
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray, as_number
-from mobility_imu.health import examine
 from mobility_imu.offsets import (
     GyroscopeOffset,
     merge_offsets,
@@ -32,7 +32,9 @@ from mobility_imu.offsets import (
 )
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
+from mobility_imu.wheelchair.faults import sensor_faults
 from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
+from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.mount import WheelchairMount
 from mobility_imu.wheelchair.saturation import (
     saturated_gyroscopes,
@@ -69,8 +71,10 @@ BLOCK_S = 1.0
 """Residuals last about a push; those of one block are taken together."""
 # Below this, track, mismatch of the radii and offset cannot be told apart.
 SMALLEST_INDEPENDENT_PART = 1e-6
-AGREES = 0.98
-"""Wheels and frame that go together so closely need no look at the health of the sensors."""
+LARGEST_LAG_S = 0.05
+"""Turns begin within half a second: a lag of a tenth of that changes gains by half a percent."""
+UNJUDGED = frozenset({"frozen", "dead axis", "copy", "exchanged", "turned", "reversed"})
+"""Codes of faults with which turns and wheels say nothing of the geometry."""
 NO_VERDICT = MappingProxyType(
     {"judged": False, "fits": False}
     | dict.fromkeys(
@@ -194,7 +198,7 @@ def check_geometry(
         *saturation_warnings(recording, saturated),
     )
     usable = usable_samples(len(recording), saturated)
-    recording = without_offsets(recording, found)
+    as_recorded, recording = recording, without_offsets(recording, found)
     yaw = mount.frame(recording.gyroscope("frame"))[:, 2]
     wheels = [mount.wheel(side, recording.gyroscope(f"{side}_wheel")) for side in SIDES]
     left, right = (
@@ -206,10 +210,18 @@ def check_geometry(
     parts = _Parts(
         recording, yaw, wheels[0], wheels[1], (left + right) / 2, right - left, usable, gyroscopes
     )
-    faults = () if agreement["correlation"] > AGREES else examine(recording)
-    faulty = [fault.sentence for fault in faults if fault.code != "range"]
+    faulty = [
+        fault.sentence
+        for fault in sensor_faults(as_recorded, geometry, mount, offsets=offsets)
+        if _spoils(fault, agreement["turned_rad"])
+    ]
     verdict: dict[str, Any] = (
-        {"warnings": ("a sensor failed, so the geometry is not judged", *faulty)}
+        {
+            "warnings": (
+                "a sensor failed, so there is no verdict on track, radii and camber",
+                *faulty,
+            )
+        }
         if faulty
         else _verdict(parts, geometry, mount, found, agreement)
     )
@@ -219,6 +231,13 @@ def check_geometry(
         geometry=geometry,
         offsets=found,
     )
+
+
+def _spoils(fault: Fault, turned_rad: float) -> bool:
+    """Whether the geometry, which a drive with turns would show, cannot be judged with a fault."""
+    if fault.code == "lag":
+        return turned_rad >= LEAST_TURNED_RAD and fault.size > LARGEST_LAG_S
+    return fault.code in UNJUDGED and "_acc" not in fault.sensor
 
 
 class _Gyroscopes(NamedTuple):
@@ -270,7 +289,8 @@ def _agreement(
     """Fields of GeometryCheck that compare the two yaw rates, with no geometry fitted."""
     steady = ndimage.uniform_filter1d(yaw, max(1, round(STEADY_S * fs)))[usable]
     steady = steady[np.abs(steady) > SLOWEST_TURN_RADPS]
-    lag = _lag(yaw * usable, wheels * usable, fs)
+    surely = lag_between(yaw * usable, wheels * usable, fs)
+    lag = _lag(yaw * usable, wheels * usable, fs) if surely is None else surely.lag_s
     yaw, wheels = yaw[usable], wheels[usable]
     moves = len(yaw) > 0 and yaw.std() > 0 and wheels.std() > 0
     return {

@@ -24,6 +24,7 @@ __all__ = [
     "Side",
     "WheelPair",
     "WheelchairGeometry",
+    "printed_yaw_gain",
     "side_sign",
 ]
 
@@ -315,3 +316,24 @@ def side_sign(side: Side) -> int:
         If it is neither.
     """
     return 1 if one_of("side", side, SIDES) == "left" else -1
+
+
+def printed_yaw_gain(geometry: WheelchairGeometry) -> tuple[float, float]:
+    """Factors of the wheels' yaw rate with the public tool's signs and distance.
+
+    With the same length across the axle on both wheels, abs(yaw rate) cos(camber), eqs 1.16 and
+    1.18 with the tool's signs and the wheel-centre distance d_c give, for a yaw rate w in a left
+    turn, w - (r_L + r_R) sin(camber) / d_c w, and the sum of the two in a right turn. With both
+    signs changed the two factors change places.
+
+    Parameters
+    ----------
+    geometry : WheelchairGeometry
+
+    Returns
+    -------
+    (left, right) : floats, in a left and in a right turn; 1 would be right
+    """
+    lean = sum(geometry.wheel_radius_m) * np.sin(geometry.camber_rad)
+    loss = lean / geometry.wheel_centre_distance_m
+    return float(1 - loss), float(1 + loss)

@@ -21,14 +21,29 @@ from mobility_imu.offsets import (
     GyroscopeOffset,
     merge_offsets,
     offset_warnings,
-    rest_offsets,
     without_offsets,
 )
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.wheelchair.calibration import Form
-from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry, side_sign
+from mobility_imu.wheelchair.geometry import (
+    SIDES,
+    Side,
+    WheelchairGeometry,
+    printed_yaw_gain,
+    side_sign,
+)
 from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.recovery import (
+    failed_gyroscopes,
+    offsets_without,
+    recovered,
+    recovery_warnings,
+    unknown_where,
+    wheel_forces,
+    with_gyroscope,
+    with_recovered_sd,
+)
 from mobility_imu.wheelchair.saturation import (
     saturated_gyroscopes,
     saturation_warnings,
@@ -38,7 +53,6 @@ from mobility_imu.wheelchair.series import alike
 from mobility_imu.wheelchair.slip import (
     SlipMethod,
     SlipSettings,
-    at_odds,
     correct_slip,
     detect_slip,
     wheel_speeds,
@@ -205,27 +219,6 @@ def single_wheel_velocity(
     return np.asarray(geometry.wheel_radius_m.of(side) * rate + centre * yaw_rate)
 
 
-def printed_yaw_gain(geometry: WheelchairGeometry) -> tuple[float, float]:
-    """Factors of the wheels' yaw rate with the public tool's signs and distance.
-
-    With the same length across the axle on both wheels, abs(yaw rate) cos(camber), eqs 1.16 and
-    1.18 with the tool's signs and the wheel-centre distance d_c give, for a yaw rate w in a left
-    turn, w - (r_L + r_R) sin(camber) / d_c w, and the sum of the two in a right turn. With both
-    signs changed the two factors change places.
-
-    Parameters
-    ----------
-    geometry : WheelchairGeometry
-
-    Returns
-    -------
-    (left, right) : floats, in a left and in a right turn; 1 would be right
-    """
-    lean = sum(geometry.wheel_radius_m) * np.sin(geometry.camber_rad)
-    loss = lean / geometry.wheel_centre_distance_m
-    return float(1 - loss), float(1 + loss)
-
-
 @dataclass(frozen=True)
 class VelocitySettings:
     """How velocities are found from a recording.
@@ -293,12 +286,15 @@ class ChairVelocity(Result):
         scale of the gyroscopes, radii, axles, timing, rocking; with two wheels their disagreement
         with the frame, with one wheel track and camber. Sizes: ``settings.assumed``. A slip of
         both wheels alike, or of the only one, is not seen and not contained. Infinite where a
-        gyroscope that is needed is at the end of its range
+        gyroscope that is needed fails (repeats itself, or is at the end of its range) and the two
+        others do not replace it
     yaw_rate_sd_radps : (n,) array, rad/s, standard deviation of the frame's yaw rate, infinite
         likewise
     offsets : sensor to GyroscopeOffset that was taken off; empty if none was
     settings : VelocitySettings that were used
     warnings : sentences on what limits the result; empty if nothing does
+    valid : (n,) bool array, False where a gyroscope that is needed fails and nothing replaces it;
+        all True if None
     """
 
     time_s: FloatArray
@@ -311,13 +307,16 @@ class ChairVelocity(Result):
     offsets: dict[str, GyroscopeOffset] = field(default_factory=dict)
     settings: VelocitySettings = VelocitySettings()
     warnings: tuple[str, ...] = ()
+    valid: NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         """Check that all are series of one length."""
         expect("settings", self.settings, VelocitySettings)
         rates = ("yaw_rate_radps", "wheel_yaw_rate_radps", "yaw_rate_sd_radps")
         speeds = ("linear_velocity_mps", "linear_velocity_sd_mps")
-        check_columns(self, "time_s", *speeds, *rates, flags=("slip",))
+        if self.valid is None:
+            object.__setattr__(self, "valid", np.ones(len(self.time_s), np.bool_))
+        check_columns(self, "time_s", *speeds, *rates, flags=("slip", "valid"))
         super().__post_init__()
 
     def __len__(self) -> int:
@@ -336,9 +335,11 @@ class ChairVelocity(Result):
         -------
         DataFrame
             ``time_s``, ``linear_velocity_mps``, ``yaw_rate_degps``, ``slip`` (0 or 1),
-            ``linear_velocity_sd_mps`` and ``yaw_rate_sd_degps``
+            ``linear_velocity_sd_mps``, ``yaw_rate_sd_degps`` and ``valid`` (0 or 1)
         """
         import pandas as pd
+
+        assert self.valid is not None
 
         return pd.DataFrame(
             {
@@ -348,6 +349,7 @@ class ChairVelocity(Result):
                 "slip": self.slip.astype(int),
                 "linear_velocity_sd_mps": self.linear_velocity_sd_mps,
                 "yaw_rate_sd_degps": np.rad2deg(self.yaw_rate_sd_radps),
+                "valid": self.valid.astype(int),
             }
         )
 
@@ -442,27 +444,26 @@ def _one_recording(
 ) -> ChairVelocity:
     present = [side for side in SIDES if f"{side}_wheel" in recording.sensors]
     names = ["frame", *(f"{side}_wheel" for side in present or SIDES)]
-    saturated = saturated_gyroscopes(recording, _with_gyroscope(recording, names))
-    warnings = saturation_warnings(recording, saturated)
+    there, source = with_gyroscope(recording, names), recording
+    warnings = saturation_warnings(recording, saturated_gyroscopes(recording, there))
+    failed = failed_gyroscopes(recording, there, mount, geometry)
     if settings.form == "printed" or not settings.take_off_offsets:
         offsets = {}
     else:
-        found = merge_offsets(rest_offsets(recording, names), offsets)
+        found = merge_offsets(offsets_without(recording, names, failed), offsets)
         offsets = {name: found[name] for name in names if name in found}
         warnings = (*offset_warnings(recording, offsets, names), *warnings)
         recording = without_offsets(recording, offsets)
-    try:
-        rates = {"frame": mount.frame(recording.gyroscope("frame"))} | {
-            f"{side}_wheel": mount.wheel(side, recording.gyroscope(f"{side}_wheel"))
-            for side in present or SIDES
-        }
-    except InputError as error:
-        where = "" if recording.source in str(error) else f"{recording.source}: "
-        raise InputError(f"{where}{error}") from None
+    rates = _rates(recording, mount, present or SIDES)
     both = len(present) == 2
     needed = names[1:] if both else names
+    lost = failed
+    if settings.form == "corrected":
+        forces = wheel_forces(recording, mount) if failed else {}
+        rates, lost = recovered(rates, forces, failed, geometry, recording.sampling_rate_hz)
+        warnings += recovery_warnings(source, failed, lost)
     velocity, wheel_yaw, slip = (_from_two_wheels if both else _from_one_wheel)(
-        recording, geometry, mount, rates, settings, usable_samples(len(recording), saturated)
+        recording, geometry, mount, rates, settings, usable_samples(len(recording), failed)
     )
     yaw_rate = rates["frame"][:, 2]
     sd = speed_uncertainty(
@@ -474,21 +475,37 @@ def _one_recording(
         offsets=offsets,
         errors=settings.assumed,
     )
-    warnings = (*_alone(recording, present), *warnings)
-    if settings.form == "corrected":
-        warnings += at_odds(slip, wheel_yaw, yaw_rate, settings.slip, recording.source)
+    if both:
+        rate, errors = recording.sampling_rate_hz, settings.assumed
+        sd = with_recovered_sd(sd, rates, failed, geometry, mount, rate, offsets, errors)
+    valid = usable_samples(len(recording), {n: lost[n] for n in names if n in lost})
     return ChairVelocity(
         time_s=recording.time_s,
         linear_velocity_mps=as_series(velocity, f"{recording.source}: linear velocity"),
         yaw_rate_radps=yaw_rate,
         wheel_yaw_rate_radps=wheel_yaw,
         slip=slip,
-        linear_velocity_sd_mps=_unknown_where(sd.linear_velocity_sd_mps, saturated, needed),
-        yaw_rate_sd_radps=_unknown_where(sd.yaw_rate_sd_radps, saturated, ["frame"]),
+        linear_velocity_sd_mps=unknown_where(sd.linear_velocity_sd_mps, lost, needed),
+        yaw_rate_sd_radps=unknown_where(sd.yaw_rate_sd_radps, lost, ["frame"]),
         offsets=dict(offsets),
         settings=settings,
-        warnings=warnings,
+        warnings=(*_alone(recording, present), *warnings),
+        valid=valid,
     )
+
+
+def _rates(
+    recording: Recording, mount: WheelchairMount, sides: Sequence[Side]
+) -> dict[str, FloatArray]:
+    """Rates in the axes of the chair and of the wheels."""
+    try:
+        return {"frame": mount.frame(recording.gyroscope("frame"))} | {
+            f"{side}_wheel": mount.wheel(side, recording.gyroscope(f"{side}_wheel"))
+            for side in sides
+        }
+    except InputError as error:
+        where = "" if recording.source in str(error) else f"{recording.source}: "
+        raise InputError(f"{where}{error}") from None
 
 
 def _alone(recording: Recording, present: Sequence[Side]) -> tuple[str, ...]:
@@ -499,20 +516,6 @@ def _alone(recording: Recording, present: Sequence[Side]) -> tuple[str, ...]:
         f"{recording.source}: only the {present[0]} wheel has a sensor; speed from it and the "
         "frame, slip cannot be seen",
     )
-
-
-def _unknown_where(
-    sd: FloatArray, saturated: Mapping[str, NDArray[np.bool_]], needed: Sequence[str]
-) -> FloatArray:
-    """Standard deviation, infinite where a sensor that it comes from is at its limit."""
-    flags = {name: saturated[name] for name in needed if name in saturated}
-    return np.where(usable_samples(len(sd), flags), sd, np.inf)
-
-
-def _with_gyroscope(recording: Recording, names: Sequence[str]) -> list[str]:
-    """Sensors of the recording that can be looked at; what is missing is refused later."""
-    sensors = recording.sensors
-    return [n for n in names if n in sensors and sensors[n].gyr_radps is not None]
 
 
 def _from_two_wheels(

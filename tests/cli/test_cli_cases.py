@@ -115,7 +115,7 @@ def test_a_gyroscope_offset_is_taken_off(works, tmp_path):
 def test_a_sensor_that_dies_is_told(works, case, sensor):
     said = works(*drive("velocity", case)).stderr
     assert f"{sensor} in 2000 samples, first at 10.00 s, repeats its last reading" in said
-    assert "no wheel slips so long" in said
+    assert "replace it there" in said
     found = works(*drive("check", case))
     assert f"{sensor} in 2000 samples" in found.stderr
     assert "the geometry fits" not in found.stdout
@@ -123,7 +123,26 @@ def test_a_sensor_that_dies_is_told(works, case, sensor):
 
 def test_a_late_sensor_is_no_camber(works):
     found = works(*drive("check", "c14_frame_late")).stdout
-    assert "lag of the wheels" in found and "camber of" not in found
+    assert "lag of the wheels           -1.0" in found and "camber of" not in found
+    assert "there is no verdict on track, radii and camber" in found
+    assert "the geometry fits" not in found
+
+
+def test_which_sensor_is_late_and_what_it_costs(works):
+    said = works(*drive("velocity", "c14_frame_late")).stderr
+    assert "frame lags by 1.0" in said and "against the two others" in said
+    assert "it moves the" in said
+
+
+def test_the_other_sensors_stand_in_for_one_that_dies(works, tmp_path):
+    """A wheel that freezes after 10 s of 30, and a frame: way and turn as without the fault."""
+    for case in ("c09_frame_gyro_dies", "c10_left_wheel_freezes"):
+        works(*drive("velocity", case))
+        rows = table(tmp_path / "v.csv")
+        way_m = sum(float(row["linear_velocity_mps"]) for row in rows) / 100
+        assert way_m == pytest.approx(12.8, abs=0.05)
+        assert turn_deg(tmp_path / "v.csv") == pytest.approx(150, abs=2)
+        assert {row["valid"] for row in rows} == {"1"}
 
 
 def test_strict_refuses_what_is_told_otherwise(fails):

@@ -18,6 +18,7 @@ def test_from_raw_trial_to_chronogram(tmp_path, works):
         "slip",
         "linear_velocity_sd_mps",
         "yaw_rate_sd_degps",
+        "valid",
     ]
     truth = pd.read_csv(COURT / "truth.csv.gz")
     # Simulated noise and bias: 0.003 rad/s on the gyroscopes, times the radius.
@@ -149,3 +150,24 @@ def test_units_of_velocities_are_asked_for(tmp_path, works, fails):
     works("wheelchair", "tasks", "v.csv", "--units", "m/s, deg/s", "-o", "t.csv", "--quiet")
     works("wheelchair", "tasks", "own.csv", "-o", "same.csv", "--quiet")
     assert (tmp_path / "t.csv").read_bytes() == (tmp_path / "same.csv").read_bytes()
+
+
+def test_a_fault_is_told_with_its_cost_and_refused_when_strict(tmp_path, works, fails):
+    """A wheel's gyroscope reads 6 % too much: told once, with what it moves; samples not valid."""
+    command = velocity()
+    court = pd.read_csv(command[2])
+    rates = [name for name in court if name.startswith("right_wheel_gyr")]
+    court[rates] *= 1.06
+    court.to_csv(tmp_path / "scaled.csv", index=False)
+    command[2] = tmp_path / "scaled.csv"
+    said = works(*command).stderr
+    assert said.count("right_wheel_gyr reads") == 1
+    assert "% too much, by the turns of the wheel as gravity counts them" in said
+    assert "it moves the speed by up to 0.0" in said and "and the distance by up to" in said
+    assert not pd.read_csv(tmp_path / "v.csv")["valid"].any()
+    (tmp_path / "v.csv").unlink()
+    fails(*command, "--strict", says=["right_wheel_gyr reads"])
+    assert not (tmp_path / "v.csv").exists()
+    trials = command[2:-2]
+    assert "right_wheel_gyr reads" in works("wheelchair", "check", *trials).stderr
+    fails("wheelchair", "check", *trials, "--strict", says=["right_wheel_gyr reads"])

@@ -1,0 +1,409 @@
+"""Faults of a wheel's sensor that the other sensors, or its own accelerometer, show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from itertools import product
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.faults import (
+    Fault,
+    Repair,
+    exchanged,
+    half_of,
+    multiplied,
+    shifted,
+    with_half,
+    with_readings,
+)
+from mobility_imu.frames import FloatArray
+from mobility_imu.health import fault_of
+from mobility_imu.recording import Recording
+from mobility_imu.wheelchair.contradictions import Witnesses, axle_of
+from mobility_imu.wheelchair.geometry import Side
+from mobility_imu.wheelchair.lags import lag_between
+from mobility_imu.wheelchair.recovery import tied_rate
+from mobility_imu.wheelchair.turning import yaw_rate_of_wheel
+
+__all__ = ["late", "other_axles", "other_spins", "wrong_offsets", "wrong_scales"]
+
+LARGEST_AXLE_RAD = float(np.deg2rad(2.0))
+"""Axle of a drive against that of the straight-line trial: real drives stay below 1.5 deg."""
+AXLE_SCATTERS = 1.5
+"""Times what is left across the axle: in two or three turns of a wheel the chair's own turn, which
+goes round with the wheel, does not cancel."""
+LEAST_LAG_SAMPLES = 0.8
+"""A sensor's rows stand for some time within one sample: up to one lies between two sensors."""
+LEAST_LAG_SD_S = 0.001
+"""Standard deviation of a lag at least: vibration is no movement of the whole chair."""
+SURE_SIGN = 0.5
+GO_TOGETHER, APART = 0.95, 0.9
+"""Correlations of yaw rates that surely are of one motion, and of such that are not."""
+SURE = 4.0
+"""Standard deviations from which on a difference is told; by chance once in 10,000 times."""
+LEAST_SCALE = 0.0125
+"""A wheel's gyroscope that is off by more moves the speed by 0.6 %: one and a half of the standard
+deviations that radii (0.5 %) and scale factors (0.3 %) leave."""
+LEAST_OFFSET_RADPS = float(np.deg2rad(0.3))
+"""Three times what an offset changes by from one recording to the next."""
+
+
+FACTORY_SCALE_SD = 0.01
+"""Scale factor of a gyroscope as it leaves the factory (MPU-6050: 3 % allowed)."""
+LARGEST_CONDITION = 50.0
+"""Beyond it, turn, speed and constant cannot be told apart."""
+PIECE_S = 2.0
+
+
+def other_axles(w: Witnesses) -> Iterator[Fault]:
+    """A wheel's sensor that spins about another axle than in the straight-line trial.
+
+    Parameters
+    ----------
+    w : Witnesses
+
+    Yields
+    ------
+    Fault
+    """
+    seen = {side: axle_of(w, side) for side in w.sides}
+    known = {side: w.mount.rotation_imu_to_wheel(side)[2] for side in w.sides}
+    axles = {side: found[0] for side, found in seen.items() if found and found[1] < 0.2}
+    apart = {side: _between(axle, known[side]) for side, axle in axles.items()}
+    least = {
+        side: max(LARGEST_AXLE_RAD, AXLE_SCATTERS * found[1])
+        for side, found in seen.items()
+        if found
+    }
+    if len(axles) == 2:
+        crossed = max(
+            _between(axles["left"], known["right"]), _between(axles["right"], known["left"])
+        )
+        if max(apart.values()) > max(least.values()) and crossed < max(least.values()):
+            yield _exchanged(w.recording, in_trial=True)
+            return
+    for side, angle in apart.items():
+        if angle <= least[side]:
+            continue
+        name = f"{side}_wheel"
+        axle = axles[side] * _way_round(w, side, axles[side], known[side])
+        turn = Rotation.align_vectors(known[side][None], axle[None])[0].as_matrix()
+        yield fault_of(
+            w.recording, "turned", name, np.ones(len(w.recording), np.bool_),
+            f"spins about an axle {np.rad2deg(angle):.1f} deg off that of the straight-line trial: "
+            "the sensor was turned in between, or one of its axes has the wrong sign; record both "
+            "trials anew", size=float(np.rad2deg(angle)), unit="deg",
+            repair=partial(turned_back, sensor=name, rotation=turn),
+        )  # fmt: skip
+
+
+def _way_round(w: Witnesses, side: Side, axle: FloatArray, known: FloatArray) -> float:
+    """Sign of an axle with which it spins as the other sensors expect; nearest without them."""
+    name, gyr = f"{side}_wheel", w.at_rest.gyroscope(f"{side}_wheel")
+    if len(w.sides) == 2 and "frame" not in w.mute:
+        along = {one: w.rates[one][:, 2] for one in w.names if one != name}
+        together = float(tied_rate(along, name, w.geometry) @ (gyr @ axle))
+        return 1.0 if together >= 0 else -1.0
+    return 1.0 if axle @ known >= 0 else -1.0
+
+
+def turned_back(recording: Recording, sensor: str, rotation: FloatArray) -> Recording:
+    """Recording in which a sensor's readings are turned.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    rotation : (3, 3) array, from the axes that it has to those that it should have
+
+    Returns
+    -------
+    Recording
+    """
+    acc, gyr = (half_of(recording, sensor, half) @ rotation.T for half in ("acc", "gyr"))
+    return with_readings(recording, sensor, acc_mps2=acc, gyr_radps=gyr)
+
+
+def _between(first: FloatArray, second: FloatArray) -> float:
+    """Angle between two lines, rad."""
+    return float(np.arccos(np.clip(abs(first @ second), 0.0, 1.0)))
+
+
+def _exchanged(recording: Recording, *, in_trial: bool) -> Fault:
+    both = "left_wheel, right_wheel"
+    what = (
+        "have each other's names in the trial, by the axles that they spin about; exchange the "
+        "names"
+        if in_trial
+        else "have each other's names: the wheels turn the chair the other way than each of the "
+        "three sensors by itself; exchange the names in all recordings"
+    )
+    repair = partial(exchanged, first="left_wheel", second="right_wheel") if in_trial else None
+    whole = np.ones(len(recording), np.bool_)
+    return fault_of(recording, "exchanged", both, whole, what, repair=repair)
+
+
+def exchanged_wheels(w: Witnesses) -> Fault:
+    """Fault of wheels whose names are exchanged.
+
+    Where both sensors have the same axle, only the trial's names may be wrong; where each has its
+    own, which fits, the names are wrong in all recordings, and the mount with them.
+
+    Parameters
+    ----------
+    w : Witnesses
+
+    Returns
+    -------
+    Fault
+    """
+    left, right = (w.mount.rotation_imu_to_wheel(side)[2] for side in w.sides)
+    alike = float(left @ right) > np.cos(LARGEST_AXLE_RAD)
+    return _exchanged(w.recording, in_trial=alike)
+
+
+def other_spins(w: Witnesses) -> Iterator[Fault]:
+    """A wheel's gyroscope some of whose axes have the wrong sign.
+
+    Parameters
+    ----------
+    w : Witnesses
+
+    Yields
+    ------
+    Fault
+    """
+    for side in w.sides:
+        fit, name = w.spin_fit(side), f"{side}_wheel"
+        signs = (
+            (-1.0, -1.0, -1.0) if fit is not None and fit.factor < -SURE_SIGN else _signs(w, side)
+        )
+        if signs is None:
+            continue
+        bad = [axis for axis, sign in zip("xyz", signs, strict=True) if sign < 0]
+        what = "the gyroscope" if len(bad) == 3 else f"axis {', '.join(bad)} of the gyroscope"
+        yield fault_of(
+            w.recording, "reversed", f"{name}_gyr", np.ones(len(w.recording), np.bool_),
+            f"turns the other way than gravity shows: {what} has the wrong sign, or the "
+            "accelerometer has; check the export's axes",
+            repair=partial(multiplied, sensor=name, half="gyr", factors=np.array(signs)),
+        )  # fmt: skip
+
+
+def _signs(w: Witnesses, side: Side) -> tuple[float, ...] | None:
+    """Signs of a wheel's axes with which its own yaw rate goes with the two other sensors'.
+
+    An axis across the axle with the wrong sign leaves the spin nearly as it is, and makes nonsense
+    of the chair's turn, which goes round across the axle.
+    """
+    name, others = f"{side}_wheel", [n for n in w.yaw if n != f"{side}_wheel"]
+    if len(others) < 2 or not w.turns(others[0]):
+        return None
+    first, second = (w.yaw[other] for other in others)
+    together = _correlation(first, second, w.rate_hz)
+    if together < GO_TOGETHER or _correlation(first, w.yaw[name], w.rate_hz) > APART:
+        return None
+    turn = w.mount.rotation_imu_to_wheel(side)
+    best, most = None, GO_TOGETHER
+    for signs in product((1.0, -1.0), repeat=3):
+        gyr = (w.at_rest.gyroscope(name) * np.array(signs)) @ turn.T
+        yaw = yaw_rate_of_wheel(gyr, w.forces[name], w.geometry.camber_rad, w.rate_hz)
+        found = _correlation(first, yaw, w.rate_hz)
+        if found > most:
+            best, most = signs, found
+    return best if best is not None and min(best) < 0 else None
+
+
+def _correlation(first: FloatArray, second: FloatArray, rate_hz: float) -> float:
+    """Of two series at the lag that suits them best; 0 where they do not go together."""
+    lag = lag_between(first, second, rate_hz)
+    return 0.0 if lag is None else lag.correlation
+
+
+def late(w: Witnesses) -> Iterator[Fault]:
+    """A sensor that comes later or earlier than the others.
+
+    Of three sensors two agree; of two, which one is late cannot be told.
+
+    Parameters
+    ----------
+    w : Witnesses
+
+    Yields
+    ------
+    Fault
+    """
+    lags = w.lags()
+    if not lags:
+        return
+    names = list(dict.fromkeys(name for pair in lags for name in pair))
+    first = names[0]
+    times = {first: 0.0}
+    sds = {first: LEAST_LAG_SD_S}
+    for (one, other), lag in lags.items():
+        if one == first and other not in times:
+            times[other], sds[other] = lag.lag_s, float(np.hypot(lag.sd_s, LEAST_LAG_SD_S))
+    least = LEAST_LAG_SAMPLES / w.rate_hz
+    if len(times) == 3:
+        middle = float(np.median(list(times.values())))
+        behind = "the two others"
+    elif len(times) == 2:
+        middle, behind = 0.0, f"{first} (which of the two is wrong, two cannot tell)"
+    else:
+        return
+    spread = float(np.linalg.norm(sorted(sds.values())[-2:]))
+    for name, time_s in times.items():
+        lag_s = time_s - middle
+        if abs(lag_s) <= max(least, SURE * spread):
+            continue
+        way = "lags by" if lag_s > 0 else "comes early by"
+        whole = np.ones(len(w.recording), np.bool_)
+        yield fault_of(
+            w.recording, "lag", name, whole,
+            f"{way} {abs(lag_s):.3f} ± {spread:.3f} s against {behind}; put the sensors on one "
+            "clock", size=abs(lag_s), unit="s", repair=partial(shifted, sensor=name, lag_s=lag_s),
+        )  # fmt: skip
+
+
+def wrong_scales(w: Witnesses) -> Iterator[Fault]:
+    """A wheel's gyroscope that reads too much or too little, by the turns that gravity counts.
+
+    Parameters
+    ----------
+    w : Witnesses
+
+    Yields
+    ------
+    Fault
+    """
+    for side in w.sides:
+        fit, name = w.spin_fit(side), f"{side}_wheel"
+        if fit is None or fit.factor <= 0 or name in w.failed:
+            continue
+        error, sd = fit.scale(w.offset_sd(name, w.mount.rotation_imu_to_wheel(side)[2]))
+        if abs(error) <= max(LEAST_SCALE, SURE * sd):
+            continue
+        way = "too much" if error > 0 else "too little"
+        yield fault_of(
+            w.recording, "scale", f"{name}_gyr", np.ones(len(w.recording), np.bool_),
+            f"reads {100 * abs(error):.1f} ± {100 * sd:.1f} % {way}, by the turns of the wheel as "
+            "gravity counts them; calibrate it, or check its range and unit",
+            size=abs(error), unit="", repair=partial(
+                multiplied, sensor=name, half="gyr", factors=1 / (1 + error)
+            ),
+        )  # fmt: skip
+
+
+def wrong_offsets(w: Witnesses) -> Iterator[Fault]:
+    """Offsets of the wheels' gyroscopes that no rest of the drive shows.
+
+    With r_R Om_R - r_L Om_L = d * yaw + c * V + o, the constant o is what the wheels' offsets
+    differ by; which of the two wheels it is, gravity tells. Offsets alike on both wheels are not
+    seen: on a chair that rolls steadily they cannot be told from the scale factors.
+
+    Parameters
+    ----------
+    w : Witnesses
+
+    Yields
+    ------
+    Fault
+    """
+    if len(w.sides) < 2 or all(f"{side}_wheel" in w.own_offsets for side in w.sides):
+        return
+    found = _apart(w)
+    if found is None:
+        return
+    apart, sd = found
+    radius = w.geometry.wheel_radius_m
+    by_side = {"left": -apart / radius.left, "right": apart / radius.right}
+    if abs(apart) <= max(LEAST_OFFSET_RADPS * min(radius), SURE * sd):
+        return
+    fits = {side: w.spin_fit(side) for side in w.sides}
+    misfit = dict.fromkeys(w.sides, 0.0)
+    for side, fit in fits.items():
+        if fit is None or fit.factor <= 0:
+            continue
+        offset, offset_sd = fit.offset(FACTORY_SCALE_SD)
+        for blamed in w.sides:
+            expected = by_side[side] if blamed == side else 0.0
+            misfit[blamed] += ((offset - expected) / offset_sd) ** 2
+    side = min(misfit, key=lambda one: misfit[one])
+    axle = w.mount.rotation_imu_to_wheel(side)[2]
+    sd_radps = sd / radius.of(side)
+    yield offset_fault(w.recording, f"{side}_wheel", by_side[side] * axle, sd_radps, "the others")
+
+
+def _apart(w: Witnesses) -> tuple[float, float] | None:
+    """Constant difference in m/s of the wheels' speeds that neither turn nor radii explain."""
+    if w.by_gravity is None:
+        return None
+    left, right = (
+        r * w.rates[f"{side}_wheel"][:, 2]
+        for side, r in zip(w.sides, w.geometry.wheel_radius_m, strict=True)
+    )
+    # Gravity's yaw rate has no offset: what a wheel reads across its axle goes round.
+    design = np.column_stack([w.by_gravity, (left + right) / 2, np.ones(len(left))])
+    if np.linalg.cond(design / np.linalg.norm(design, axis=0)) > LARGEST_CONDITION:
+        return None
+    target = right - left
+    used = np.ones(len(target), np.bool_)
+    for _ in range(3):
+        found = np.linalg.lstsq(design[used], target[used], rcond=None)[0]
+        misfit = np.abs(target - design @ found)
+        used = misfit <= max(4 * 1.48 * float(np.median(misfit)), 0.01)
+    residual = np.where(used, target - design @ found, 0.0)
+    edges = np.arange(0, len(target), max(1, round(PIECE_S * w.rate_hz)))
+    sums = np.add.reduceat(design * residual[:, None], edges, axis=0)
+    bread = np.linalg.pinv(design[used].T @ design[used])
+    sd = float(np.sqrt((bread @ (sums.T @ sums) @ bread)[2, 2]))
+    return float(found[2]), sd
+
+
+def offset_fault(
+    recording: Recording, name: str, offset_radps: FloatArray, sd_radps: float, by: str
+) -> Fault:
+    """Fault of a gyroscope that reads a constant too much although no rest shows it.
+
+    Parameters
+    ----------
+    recording : Recording
+    name : sensor
+    offset_radps : (3,) array, rad/s, in the sensor's axes
+    sd_radps : rad/s, along the offset
+    by : what shows it
+
+    Returns
+    -------
+    Fault
+    """
+    size = float(np.rad2deg(np.linalg.norm(offset_radps)))
+    return fault_of(
+        recording, "offset", f"{name}_gyr", np.ones(len(recording), np.bool_),
+        f"reads {size:.2f} ± {np.rad2deg(sd_radps):.2f} deg/s too much or too little, by {by}, and "
+        "no rest of the drive shows it; let the chair stand for some seconds at the beginning",
+        size=size, unit="deg/s", repair=_taken_off(name, offset_radps),
+    )  # fmt: skip
+
+
+def _taken_off(name: str, offset_radps: FloatArray) -> Repair:
+    return partial(shifted_rates, sensor=name, offset_radps=offset_radps)
+
+
+def shifted_rates(recording: Recording, sensor: str, offset_radps: FloatArray) -> Recording:
+    """Recording from one of whose gyroscopes a constant is taken off.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    offset_radps : (3,) array, rad/s
+
+    Returns
+    -------
+    Recording
+    """
+    return with_half(recording, sensor, "gyr", recording.gyroscope(sensor) - offset_radps)
