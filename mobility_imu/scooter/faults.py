@@ -1,0 +1,260 @@
+"""Faults of a scooter's sensors: what one sensor shows, and what only lever and body show together.
+
+:func:`mobility_imu.health.examine` looks at each sensor alone. Here both are held against each
+other (:mod:`mobility_imu.scooter.agreement`), and against what a scooter does
+(:mod:`mobility_imu.scooter.machine`). What is at odds is undone in every way that a fault could
+have come about; the one after which the sensors agree best is named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mobility_imu.arguments import expect, settings_or_default
+from mobility_imu.faults import Fault, Repair, all_repaired, interpolated, with_costs
+from mobility_imu.frames import FloatArray
+from mobility_imu.health import examine, fault_of
+from mobility_imu.recording import Recording
+from mobility_imu.scooter.contradictions import contradictions
+from mobility_imu.scooter.geometry import ScooterGeometry
+from mobility_imu.scooter.mended import carried, rebuilt
+from mobility_imu.scooter.mount import ScooterMount
+from mobility_imu.scooter.ride import RideAngles, RideSettings, estimate_ride
+
+__all__ = ["find_faults", "mark_faults"]
+
+LEAST_SDS = 1.0
+"""A fault that every recording has a little of is told if it moves an angle by more than this times
+its standard deviation."""
+LEAST_MOVED_DEG = 1.0
+"""Stands for the standard deviation where none is stated."""
+UNTRUSTED_SDS = 2.0
+"""A sample is not valid if a fault moves it by more than this times its standard deviation."""
+SPIKE_RADPS, SPIKE_TIMES = 1.0, 20.0
+"""A rate that leaves both neighbours by more, and by so many times the usual change, is no
+movement: a hand needs more than 10 ms to reach, and to leave, 60 deg/s."""
+GROSS = {"lag": 0.1, "offset": 20.0, "turned": float("inf")}
+"""Sizes (s, deg/s) from which on such faults are told whatever they cost."""
+GROSS_SCALE = 1.3
+"""The same of a scale, or of its inverse."""
+GRADED = (*GROSS, "scale")
+"""Faults that every recording has a little of."""
+
+
+def find_faults(
+    recording: Recording,
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None = None,
+    settings: RideSettings | None = None,
+) -> tuple[Fault, ...]:
+    """Faults of the sensors of a ride, or of a parked recording, with what they cost.
+
+    Beside what :func:`~mobility_imu.health.examine` finds of each sensor alone: the lever's sensor
+    late against the body's; both exchanged; axes of a gyroscope with the wrong sign; scale and
+    offset of a gyroscope; a sensor that is turned otherwise than the mount says; and two sensors
+    that contradict each other. With one sensor, or without gyroscopes, only the former.
+
+    What cannot be seen: scale and offset of an accelerometer, which on level ground are turns of
+    it; a turn of the body's sensor about the vertical there; a turn of a sensor by less than the
+    mount is uncertain; a scale below some per cent; a sensor that is turned, on a ride without
+    curves.
+
+    Parameters
+    ----------
+    recording : Recording with a sensor ``lever`` and, unless it is used alone, ``body``
+    geometry : ScooterGeometry
+    mount : ScooterMount that is applied to the readings, or None
+    settings : RideSettings, of the estimate that the costs are found with; None is the default
+
+    Returns
+    -------
+    tuple of Fault
+        The costs are the largest changes of steering and throttle, in deg, over the samples that
+        the estimate trusts once the fault is undone. Where nothing can undo a fault, or the
+        estimate is refused, there are none.
+
+    Raises
+    ------
+    InputError
+        If a sensor is missing.
+
+    Examples
+    --------
+    >>> from mobility_imu.scooter import SUZUKI_ET4D, find_faults
+    >>> from mobility_imu.simulation.faults import late
+    >>> from mobility_imu.simulation.scooter import COURSES, simulate_ride
+    >>> ride = simulate_ride(COURSES["curves"], seed=1).recording
+    >>> find_faults(ride, SUZUKI_ET4D)
+    ()
+    >>> [(f.code, round(f.size, 2)) for f in find_faults(late(ride, "lever", 0.3), SUZUKI_ET4D)]
+    [('lag', 0.3)]
+    """
+    expect("recording", recording, Recording)
+    expect("geometry", geometry, ScooterGeometry)
+    expect("mount", mount, ScooterMount, none=True)
+    settings = settings_or_default("settings", settings, RideSettings)
+    for name in settings.sensors:
+        recording.sensor(name)
+    alone = list(_alone(recording, settings.sensors, geometry, mount))
+    together: list[Fault] = []
+    complete = all(recording.sensor(name).gyr_radps is not None for name in settings.sensors)
+    if len(settings.sensors) == 2 and complete and not any(f.code == "copy" for f in alone):
+        whole = {f.sensor for f in alone if f.flags.all()}
+        if not whole:
+            mended = all_repaired(alone, recording)
+            together = list(contradictions(mended, geometry, mount))
+    return _priced([*together, *alone], recording, geometry, mount, settings)
+
+
+def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
+    """Ride whose samples are not valid where a fault of a sensor that is used moves them.
+
+    A fault counts if nothing can undo it, or if it moves an angle by more than
+    ``UNTRUSTED_SDS`` of its largest standard deviation.
+
+    Parameters
+    ----------
+    ride : RideAngles
+    faults : of :func:`find_faults`, for the same recording
+
+    Returns
+    -------
+    RideAngles
+    """
+    expect("ride", ride, RideAngles)
+    valid = np.array(ride.valid)
+    for fault in faults:
+        if _is_used(fault, ride.settings) and _matters(fault, ride):
+            valid &= ~fault.flags
+    return replace(ride, valid=valid)
+
+
+def _is_used(fault: Fault, settings: RideSettings) -> bool:
+    """Whether the estimate reads the half of the sensor that is at fault."""
+    if settings.method == "fusion":
+        return True
+    return "_gyr" not in fault.sensor and any(name in fault.sensor for name in settings.sensors)
+
+
+def _matters(fault: Fault, ride: RideAngles) -> bool:
+    if fault.repair is None:
+        return True
+    sd = {"steering": ride.steering_sd_rad, "throttle": ride.throttle_sd_rad}
+    for cost in fault.costs:
+        known = sd[cost.name][np.isfinite(sd[cost.name])]
+        usual = float(np.rad2deg(np.median(known))) if known.size else LEAST_MOVED_DEG
+        if cost.largest > UNTRUSTED_SDS * usual:
+            return True
+    return False
+
+
+def _alone(
+    recording: Recording,
+    names: Sequence[str],
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None,
+) -> Iterator[Fault]:
+    """Faults that one sensor shows by itself."""
+    spiky = set()
+    for fault in examine(recording):
+        if not all(part.split("_")[0] in names for part in fault.sensor.split(", ")):
+            continue
+        if fault.code == "reversed" and len(names) == 2:
+            continue  # both sensors together say it better
+        if fault.code == "spike":
+            spiky.add(fault.sensor)
+        if fault.code == "frozen":
+            fault = replace(fault, repair=_bridge(recording, fault, names, geometry, mount))
+        yield fault
+    for name in names:
+        gyr = recording.sensor(name).gyr_radps
+        if gyr is None or f"{name}_gyr" in spiky:
+            continue
+        far = _small_spikes(gyr)
+        if far.any():
+            largest = float(np.abs(np.diff(gyr, axis=0)[far[1:]]).max())
+            yield fault_of(
+                recording, "spike", f"{name}_gyr", far,
+                f"jumps for single samples (by {largest:.3g} rad/s at most), which no hand does; "
+                "remove them", size=largest, unit="rad/s",
+                repair=partial(interpolated, sensor=name, half="gyr", flags=far),
+            )  # fmt: skip
+
+
+def _small_spikes(gyr: FloatArray) -> NDArray[np.bool_]:
+    """Single rates far from both neighbours, which agree."""
+    far = np.zeros(len(gyr), np.bool_)
+    step = np.diff(gyr, axis=0)
+    if len(step) < 4:
+        return far
+    up, down = step[:-1], step[1:]
+    size = np.minimum(np.abs(up), np.abs(down))
+    alone = (up * down < 0) & (np.abs(up + down) < 0.25 * size)
+    least = np.maximum(SPIKE_RADPS, SPIKE_TIMES * np.median(np.abs(step), axis=0))
+    far[1:-1] = (alone & (size > least)).any(axis=1)
+    return far
+
+
+def _bridge(
+    recording: Recording,
+    fault: Fault,
+    names: Sequence[str],
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None,
+) -> Repair | None:
+    """What puts other sensors' knowledge where one repeats itself."""
+    name, half = fault.sensor.split("_")[:2]
+    gyroscopes = all(recording.sensor(one).gyr_radps is not None for one in names)
+    if half == "gyr" and len(names) == 2 and gyroscopes:
+        return partial(rebuilt, sensor=name, flags=fault.flags, geometry=geometry, mount=mount)
+    if half == "acc" and recording.sensor(name).gyr_radps is not None and not fault.flags.all():
+        return partial(carried, sensor=name, flags=fault.flags)
+    return fault.repair
+
+
+def _priced(
+    faults: Sequence[Fault],
+    recording: Recording,
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None,
+    settings: RideSettings,
+) -> tuple[Fault, ...]:
+    """Faults with their costs; without those that every recording has and that move nothing."""
+    if not faults:
+        return ()
+    sds: list[FloatArray] = []
+
+    def estimate(one: Recording) -> dict[tuple[str, str], FloatArray]:
+        ride = estimate_ride(one, geometry, mount, settings)
+        angles = np.rad2deg([ride.steering_rad, ride.throttle_rad])
+        if not sds:
+            stated = np.rad2deg([ride.steering_sd_rad, ride.throttle_sd_rad])
+            sds.append(np.where(np.isfinite(stated), stated, LEAST_MOVED_DEG))
+        else:
+            angles = np.where(ride.valid, angles, np.nan)
+        both = dict(zip(("steering", "throttle"), angles, strict=True))
+        in_sds = dict(zip(("steering", "throttle"), angles / sds[0], strict=True))
+        return {
+            **{(name, "deg"): series for name, series in both.items()},
+            **{(name, "sd"): series for name, series in in_sds.items()},
+        }
+
+    told = []
+    for fault in with_costs(faults, recording, estimate):
+        moved = max((cost.largest for cost in fault.costs if cost.unit == "sd"), default=0.0)
+        if fault.code in GRADED and fault.costs and moved < LEAST_SDS and not _is_gross(fault):
+            continue
+        costs = tuple(cost for cost in fault.costs if cost.unit != "sd")
+        told.append(replace(fault, costs=costs))
+    return tuple(told)
+
+
+def _is_gross(fault: Fault) -> bool:
+    if fault.code == "scale":
+        return max(fault.size, 1 / fault.size) > GROSS_SCALE
+    return fault.size > GROSS[fault.code]
