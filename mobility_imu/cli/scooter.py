@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import read_input
+from mobility_imu.cli.inputs import read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
+    from mobility_imu.faults import Fault
     from mobility_imu.scooter import PoseCheck, PoseCheckSettings
     from mobility_imu.scooter.angles import Form as LibraryForm
 
@@ -71,7 +73,14 @@ def angles(
     """
     from mobility_imu.cli.summaries import read_line, ride_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount, estimate_ride
+    from mobility_imu.scooter import (
+        RideSettings,
+        ScooterGeometry,
+        ScooterMount,
+        estimate_ride,
+        find_faults,
+        mark_faults,
+    )
 
     outputs = Outputs({"--output": output}, (*recording_files(recording), geometry))
     _check_options(method, single_imu, acc_noise_mps2)
@@ -89,10 +98,19 @@ def angles(
         raise InputError(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone give --single-imu"
         )
-    found = estimate_ride(ride, scooter, mount, settings)
-    warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
+    faults = find_faults(ride, scooter, mount, settings)
+    tell_faults(faults, strict)
+    found = mark_faults(estimate_ride(ride, scooter, mount, settings), faults)
+    left = _not_told(found.warnings, faults)
+    warn(text.replace("median_window = ", "--median-window ") for text in left)
     outputs.write({output: csv_bytes(found.to_frame(), output)})
     summarize([read_line(ride), *ride_lines(found), written_line([output])], quiet)
+
+
+def _not_told(warnings: Sequence[str], faults: Sequence[Fault]) -> list[str]:
+    """Warnings of an estimate without those on sensors whose fault was told with its cost."""
+    told = [f": {fault.sensor} is " for fault in faults if fault.code in ("frozen", "range")]
+    return [text for text in warnings if not any(sensor in text for sensor in told)]
 
 
 def _check_options(method: Method, single_imu: bool, noise: float | None) -> None:
@@ -128,7 +146,7 @@ def calibrate(
     """
     from mobility_imu.cli.summaries import scooter_mount_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import ScooterGeometry, calibrate_mount
+    from mobility_imu.scooter import ScooterGeometry, calibrate_mount, find_faults
 
     files = (file for path in parked for file in recording_files(path))
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
@@ -137,6 +155,8 @@ def calibrate(
         read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz, strict=strict)
         for path in parked
     ]
+    for recording in recordings:
+        tell_faults(find_faults(recording, scooter), strict)
     found = calibrate_mount(recordings, settings, scooter)
     warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
     outputs.write({output: found.to_toml().encode()})
@@ -181,13 +201,20 @@ def check(
     """
     from mobility_imu.cli.summaries import pose_check_lines, read_line, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import ScooterGeometry, ScooterMount, check_poses
+    from mobility_imu.scooter import (
+        RideSettings,
+        ScooterGeometry,
+        ScooterMount,
+        check_poses,
+        find_faults,
+    )
 
     outputs = Outputs({"--output": output}, (*recording_files(parked), geometry, poses))
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad = read_poses(poses)
     recording = read_input(parked, "scooter", sampling_rate_hz=sampling_rate_hz, strict=strict)
+    tell_faults(find_faults(recording, scooter, mount, RideSettings(method=method)), strict)
     found = check_poses(recording, set_rad, scooter, mount, settings)
     written = []
     if output is not None:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
+from scipy import ndimage, signal
 
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
@@ -20,7 +20,18 @@ from mobility_imu.hinges import column_vector, steered, turn
 from mobility_imu.scooter.angles import estimate_angles
 from mobility_imu.scooter.geometry import ScooterGeometry
 
-__all__ = ["Agreement", "Lag", "Motion", "Seen", "agreement", "lag_between", "motion_of", "seen_by"]
+__all__ = [
+    "Agreement",
+    "Lag",
+    "Motion",
+    "Seen",
+    "Twist",
+    "agreement",
+    "lag_between",
+    "motion_of",
+    "seen_by",
+    "twist_between",
+]
 
 MEAN_S = 0.5
 """Accelerations are averaged over this before the closed form is taken: blows and vibration last
@@ -31,6 +42,11 @@ LEAST_VALID = 0.5
 """Part of the samples that the closed form has to trust, or nothing is said."""
 LONGEST_LAG_S = 2.0
 """Lags up to this are looked for."""
+
+
+SHAKING_HZ = (1.0, 15.0)
+"""Rolling and pitching on the ground's bumps; controls are steered more slowly."""
+SHORTEST_SHAKING_S = 5.0
 
 
 class Seen(NamedTuple):
@@ -50,6 +66,20 @@ class Seen(NamedTuple):
     def enough(self) -> bool:
         """Whether most samples can be trusted."""
         return bool(self.good.mean() >= LEAST_VALID)
+
+
+class Twist(NamedTuple):
+    """By how much the closed form's steering is ahead of what both gyroscopes show.
+
+    Parameters
+    ----------
+    angle_rad, sd_rad : rad
+    explained : part of the lever's rate about the locked axis that the body's rates explain
+    """
+
+    angle_rad: float
+    sd_rad: float
+    explained: float
 
 
 class Motion(NamedTuple):
@@ -260,3 +290,50 @@ def lag_between(motion: Motion, good: NDArray[np.bool_], rate_hz: float) -> Lag:
     fresh = len(body) / max(1.0, RATE_MEAN_S * rate_hz)
     sd = left / max(slope, 1e-12) / np.sqrt(fresh)
     return Lag((top - longest + shift) / rate_hz, float(sd), best)
+
+
+def twist_between(
+    lever_gyr: FloatArray,
+    body_gyr: FloatArray,
+    seen: Seen,
+    rate_hz: float,
+    geometry: ScooterGeometry,
+) -> Twist | None:
+    """Error of the closed form's steering, by the shaking that both gyroscopes feel.
+
+    About the locked axis the lever turns as the body does, ``ahead``. A steering that is off by p
+    mixes in the rate beside it: ``across = cos(p) ahead + sin(p) beside``, which two regressors
+    find. Rolling and pitching on uneven ground is what shows it, so slow motion is left out.
+
+    Parameters
+    ----------
+    lever_gyr, body_gyr : (n, 3) arrays, rad/s, in {T} and {B}
+    seen : Seen
+    rate_hz : Hz
+    geometry : ScooterGeometry
+
+    Returns
+    -------
+    Twist; None for a recording that is too short or too slow
+    """
+    low, high = SHAKING_HZ[0], min(SHAKING_HZ[1], 0.4 * rate_hz)
+    if low >= high or seen.good.sum() < SHORTEST_SHAKING_S * rate_hz:
+        return None
+    column = column_vector(body_gyr, geometry.steering_inclination_rad)
+    beside, ahead = steered(column, seen.steering_rad)
+    tip = seen.throttle_rad + geometry.lean_rad
+    across, _ = turn(lever_gyr[:, 1], lever_gyr[:, 2], np.sin(tip), np.cos(tip))
+    band = signal.butter(2, [low, high], "band", fs=rate_hz, output="sos")
+    shaking = signal.sosfiltfilt(band, np.column_stack([across, ahead, beside]), axis=0)[seen.good]
+    seen_by_lever, by_body = shaking[:, 0], shaking[:, 1:]
+    normal = by_body.T @ by_body
+    if np.linalg.det(normal) <= 0:
+        return None
+    gains = np.linalg.solve(normal, by_body.T @ seen_by_lever)
+    left = seen_by_lever - by_body @ gains
+    # Neighbours within the band are alike: fewer of them are new.
+    alike = max(1.0, rate_hz / (2 * high))
+    sd = np.sqrt(np.mean(left**2) * np.linalg.inv(normal)[1, 1] * alike)
+    explained = 1 - float(np.sum(left**2) / max(float(np.sum(seen_by_lever**2)), 1e-30))
+    size = float(np.hypot(*gains))
+    return Twist(float(np.arctan2(gains[1], gains[0])), float(sd) / max(size, 1e-9), explained)

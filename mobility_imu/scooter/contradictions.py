@@ -13,6 +13,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import optimize
 from scipy.spatial.transform import Rotation
 
@@ -28,7 +29,7 @@ from mobility_imu.faults import (
 )
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
-from mobility_imu.offsets import rest_flags, rest_offsets, without_offsets
+from mobility_imu.offsets import rest_flags
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs
 from mobility_imu.scooter.agreement import (
@@ -40,8 +41,9 @@ from mobility_imu.scooter.agreement import (
     lag_between,
     motion_of,
     seen_by,
+    twist_between,
 )
-from mobility_imu.scooter.geometry import ScooterGeometry
+from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 from mobility_imu.scooter.machine import zeros_of
 from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.scooter.pose_check import pose_uncertainty
@@ -59,14 +61,17 @@ SMALLEST_LAG_S, LAG_SDS = 0.01, 5.0
 SMALLEST_SCALE, LARGEST_SCALE = 0.07, 3.0
 """Scale errors of gyroscopes end at 3 % (data sheets of consumer sensors), and mounts that are off
 by 2 deg move what is found by as much again."""
-LARGE_OFFSET_RADPS = float(np.deg2rad(5.0))
-"""Data sheets of consumer sensors state up to 3 deg/s at rest; recordings of others show 1.7 deg/s
-on an axis (median of a chair's wheels, data/reference/real_sensors.csv), of which this is three."""
+LARGE_OFFSET_RADPS = float(np.deg2rad(4.5))
+"""Data sheets of consumer sensors state up to 3 deg/s at rest, and half as much for warmth."""
 SHORTEST_REST_S = 1.0
 LARGEST_SPIN = 0.9
 """Part of a rate at rest that lies along gravity from which on a turntable explains it."""
-ZERO_SDS = 3.5
-"""Standard deviations by which a zero may be off; by chance one ride in 2000 has more."""
+ZERO_SDS = 3.0
+"""Standard deviations by which a zero may be off; by chance one in 370 has more."""
+USUAL_RATE_RADPS, USUAL_ANGLE_RAD = 0.03, float(np.deg2rad(5.0))
+"""Usual misfits about the locked axis and of both angles, for weights."""
+LEAST_EXPLAINED = 0.5
+"""Part of the lever's shaking that the body's has to explain before it says how both are turned."""
 QUARTERS_DEG = (90.0, 180.0, 270.0)
 
 
@@ -91,8 +96,10 @@ class _Pair:
         self.stated = agreement(self.seen, self.motion) if self.seen.enough else None
 
     def of(self, recording: Recording) -> _Readings:
-        """Readings of a recording."""
-        still = without_offsets(recording, rest_offsets(recording, ("lever", "body")))
+        """Readings of a recording without the offsets at rest, however large these are."""
+        still = recording
+        for name, offset in offsets_at_rest(recording).items():
+            still = shifted_rates(still, name, offset)
         names = ("lever", "body")
         return _Readings(
             {name: still.sensor(name).acc_mps2 for name in names},
@@ -172,9 +179,18 @@ def contradictions(
             recording, found.code, found.sensor, whole, found.what,
             size=found.size, unit=found.unit, repair=found.repair,
         )  # fmt: skip
-        return
+        if found.code != "lag":
+            return
     if pair.stated is None:
         return
+    at_rest = offsets_at_rest(recording)
+    if at_rest:
+        yield from _offset_at_rest(recording, at_rest)
+    else:
+        drift = _drift(pair)
+        if drift is not None:
+            yield drift
+            return
     if pair.stated.squared > AT_ODDS:
         yield fault_of(
             recording, "at odds", "lever, body", whole,
@@ -182,24 +198,27 @@ def contradictions(
             "tried makes them agree; look at how they are mounted and exported. What follows has "
             "no known error", size=float(np.sqrt(pair.stated.squared / 3)), unit="times the usual",
         )  # fmt: skip
-        return
-    yield from _offset(pair)
-    yield from _turned_since(pair)
+    elif found is None:
+        yield from _turned_since(pair)
 
 
 def _best(pair: _Pair, suspects: list[_Suspect]) -> _Suspect | None:
-    """Suspect without which the sensors agree best, if they do so clearly better."""
-    if not suspects:
-        return None
-    best = min(suspects, key=lambda s: s.after.squared)
-    late = [s for s in suspects if s.code == "lag"]
-    if best.code == "reversed" and late and late[0].after.correlation > best.after.correlation:
-        # An axis across the turns, reversed, looks much like a lag, but not in the correlation.
-        best = late[0]
-    if pair.stated is None or best.code == "lag":
-        return best
+    """Suspect without which the sensors agree best, if they do so clearly better.
+
+    A lag needs not make them agree better: it has a standard deviation of its own. Axes across the
+    turns, reversed, look much like a lag; the correlation at the lag tells them apart.
+    """
+    late = next((s for s in suspects if s.code == "lag"), None)
+    others = [s for s in suspects if s.code != "lag"]
+    best = min(others, key=lambda s: s.after.squared, default=None)
+    if best is None or pair.stated is None:
+        return late or best
+    if late is not None:
+        as_good = late.after.squared < best.after.squared + CLEARLY_BETTER
+        if as_good and late.after.correlation > best.after.correlation:
+            return late
     better = pair.stated.squared - best.after.squared
-    return best if better > CLEARLY_BETTER else (late[0] if late else None)
+    return best if better > CLEARLY_BETTER else late
 
 
 def _signs(pair: _Pair) -> Iterator[_Suspect]:
@@ -327,42 +346,50 @@ def shifted_rates(recording: Recording, sensor: str, offset_radps: FloatArray) -
     return with_half(recording, sensor, "gyr", recording.gyroscope(sensor) - offset_radps)
 
 
-def _offset(pair: _Pair) -> Iterator[Fault]:
-    """Large offsets: at rest of each gyroscope, else of one against the other."""
-    recording = pair.recording
-    whole = np.ones(len(recording), np.bool_)
+def offsets_at_rest(recording: Recording) -> dict[str, FloatArray]:
+    """What both gyroscopes read at rest, however much that is.
+
+    Parameters
+    ----------
+    recording : Recording of lever and body with gyroscopes
+
+    Returns
+    -------
+    dict from sensor to (3,) array, rad/s; empty without a second of rest, or on something that
+    turns
+    """
+    rate_hz = recording.sampling_rate_hz
+    rest = _standing(recording)
+    rest = long_runs(rest, max(1, round(SHORTEST_REST_S * rate_hz)), grow=False)
+    if not rest.any() or _spins(recording, rest):
+        return {}
+    return {name: np.median(recording.gyroscope(name)[rest], axis=0) for name in ("lever", "body")}
+
+
+def _standing(recording: Recording) -> NDArray[np.bool_]:
+    """Where both sensors rest."""
     rest = np.ones(len(recording), np.bool_)
     for name in ("lever", "body"):
-        rest &= rest_flags(
-            recording.sensor(name).acc_mps2, recording.gyroscope(name), pair.rate_hz
-        )
-    rest = long_runs(rest, max(1, round(SHORTEST_REST_S * pair.rate_hz)), grow=False)
-    if rest.any():
-        for name in ("lever", "body"):
-            offset = np.median(recording.gyroscope(name)[rest], axis=0)
-            size = float(np.abs(offset).max())
-            if size > LARGE_OFFSET_RADPS and not _spins(recording, rest):
-                shown = ", ".join(f"{value:.1f}" for value in np.rad2deg(offset))
-                yield fault_of(
-                    recording, "offset", f"{name}_gyr", whole,
-                    f"reads ({shown}) deg/s at rest; let the sensor warm up, or take the offset "
-                    "off", size=float(np.rad2deg(size)), unit="deg/s",
-                    repair=partial(shifted_rates, sensor=name, offset_radps=offset),
-                )  # fmt: skip
-        return
-    drift = _drift(pair)
-    size = float(np.abs(drift).max())
-    if size > LARGE_OFFSET_RADPS:
-        yield fault_of(
-            recording, "offset", "lever_gyr, body_gyr", whole,
-            f"drift apart by {np.rad2deg(size):.1f} deg/s, and no rest shows which of them has the "
-            "offset; let the scooter stand for some seconds at the beginning",
-            size=float(np.rad2deg(size)), unit="deg/s",
-            repair=partial(shifted_rates, sensor="lever", offset_radps=_in_lever(pair, drift)),
-        )  # fmt: skip
+        acc, gyr = recording.sensor(name).acc_mps2, recording.gyroscope(name)
+        rest &= rest_flags(acc, gyr, recording.sampling_rate_hz)
+    return rest
 
 
-def _spins(recording: Recording, rest: FloatArray) -> bool:
+def _offset_at_rest(recording: Recording, offsets: dict[str, FloatArray]) -> Iterator[Fault]:
+    whole = np.ones(len(recording), np.bool_)
+    for name, offset in offsets.items():
+        size = float(np.abs(offset).max())
+        if size > LARGE_OFFSET_RADPS:
+            shown = ", ".join(f"{value:.1f}" for value in np.rad2deg(offset))
+            yield fault_of(
+                recording, "offset", f"{name}_gyr", whole,
+                f"reads ({shown}) deg/s at rest; let the sensor warm up, or take the offset off",
+                size=float(np.rad2deg(size)), unit="deg/s",
+                repair=partial(shifted_rates, sensor=name, offset_radps=offset),
+            )  # fmt: skip
+
+
+def _spins(recording: Recording, rest: NDArray[np.bool_]) -> bool:
     """Whether both sensors turn alike about gravity: then they stand on something that turns."""
     rates = []
     for name in ("lever", "body"):
@@ -375,61 +402,91 @@ def _spins(recording: Recording, rest: FloatArray) -> bool:
     return bool(abs(rates[0] - rates[1]) < LARGE_OFFSET_RADPS / 3)
 
 
-def _drift(pair: _Pair) -> FloatArray:
-    """Offset of the lever's gyroscope less the body's, (3,): steering, throttle, locked axis."""
-    good, means = pair.seen.good, pair.motion.means_radps
-    place = np.flatnonzero(good) / pair.rate_hz
-    slopes = [
-        float(np.polyfit(place, (by_rates - by_acc)[good], 1)[0])
-        for by_rates, by_acc in (
-            (pair.motion.steering_rad, pair.seen.steering_rad),
-            (pair.motion.throttle_rad, pair.seen.throttle_rad),
-        )
-    ]
-    return np.array([means[0] + slopes[0], means[1] + slopes[1], means[2]])
+def _drift(pair: _Pair) -> Fault | None:
+    """Offset of one gyroscope that the other sensors show, where no rest does.
+
+    Hinges and locked axis see it as what grows, or stays, with the time; least squares over the
+    three components find it, for each sensor by itself.
+    """
+    none = np.zeros(3)
+    fits = {}
+    for name in ("lever", "body"):
+        before = _residuals(pair, name, none)
+        columns = [_residuals(pair, name, step) - before for step in np.eye(3)]
+        offset, *_ = np.linalg.lstsq(np.column_stack(columns), -before, rcond=None)
+        fits[name] = (float(np.sum(_residuals(pair, name, offset) ** 2)), -offset)
+    name = min(fits, key=lambda one: fits[one][0])
+    offset = fits[name][1]
+    size = float(np.abs(offset).max())
+    if size <= LARGE_OFFSET_RADPS:
+        return None
+    shown = ", ".join(f"{value:.1f}" for value in np.rad2deg(offset))
+    return fault_of(
+        pair.recording, "offset", f"{name}_gyr", np.ones(len(pair.recording), np.bool_),
+        f"drifts against the other sensors, by about ({shown}) deg/s, and no rest shows its offset "
+        "by itself; let the scooter stand for some seconds at the beginning",
+        size=float(np.rad2deg(size)), unit="deg/s",
+        repair=partial(shifted_rates, sensor=name, offset_radps=offset),
+    )  # fmt: skip
 
 
-def _in_lever(pair: _Pair, drift: FloatArray) -> FloatArray:
-    """Drift of the hinges as an offset of the lever's gyroscope, at its usual tip."""
-    tip = float(np.median(pair.seen.throttle_rad)) + pair.geometry.lean_rad
-    sin, cos = np.sin(tip), np.cos(tip)
-    shaft, throttle, across = drift
-    offset = np.array([-throttle, across * cos - shaft * sin, across * sin + shaft * cos])
-    return offset if pair.mount is None else offset @ pair.mount.rotation_lever_imu_to_lever
+def _residuals(pair: _Pair, name: str, added_radps: FloatArray) -> FloatArray:
+    """What lever and body disagree by, in usual sizes, if a gyroscope read something more."""
+    gyr = {**pair.readings.gyr, name: pair.readings.gyr[name] + added_radps}
+    motion, seen, good = pair.moved(gyr, pair.seen), pair.seen, pair.seen.good
+    time_s = np.arange(len(good)) / pair.rate_hz
+    means = motion.means_radps
+    parts = [(motion.lever_locked - motion.body_locked + means[2])[good] / USUAL_RATE_RADPS]
+    for by_rates, by_acc, mean in (
+        (motion.steering_rad, seen.steering_rad, means[0]),
+        (motion.throttle_rad, seen.throttle_rad, means[1]),
+    ):
+        apart = (by_rates + mean * time_s - by_acc)[good]
+        parts.append((apart - apart.mean()) / USUAL_ANGLE_RAD)
+    return np.concatenate(parts)
 
 
 def _turned_since(pair: _Pair) -> Iterator[Fault]:
-    """Zeros of steering and throttle that are off by more than the mount is uncertain."""
-    body_acc, body_gyr = (
-        pair.turned(vectors)[1] for vectors in (pair.readings.acc, pair.readings.gyr)
+    """Angles that should be zero, or alike, and are off by more than the mount is uncertain."""
+    body_acc, (lever_gyr, body_gyr) = (
+        pair.turned(pair.readings.acc)[1],
+        pair.turned(pair.readings.gyr),
     )
-    rest = np.ones(len(body_acc), np.bool_)
-    for name in ("lever", "body"):
-        rest &= rest_flags(pair.readings.acc[name], pair.readings.gyr[name], pair.rate_hz)
-    zeros = zeros_of(pair.seen, body_acc, body_gyr, rest, pair.rate_hz)
+    zeros = zeros_of(pair.seen, body_acc, body_gyr, lever_gyr, pair.rate_hz)
+    twist = twist_between(lever_gyr, body_gyr, pair.seen, pair.rate_hz, pair.geometry)
     calibrated = pair.mount is not None and pair.mount.sd_rad is not None
     sd = pose_uncertainty([[0.0, 0.0]], pair.geometry, calibrated=calibrated)[0]
+    limits = ZERO_SDS * sd
     off = np.array([zeros.steering_rad, zeros.throttle_rad])
-    off = np.where(np.abs(off) > ZERO_SDS * sd, off, 0.0)  # NaN is no finding
-    if not off.any():
-        return
+    yaw, sure = 0.0, twist is not None and twist.explained > LEAST_EXPLAINED
+    if twist is not None and sure:
+        limit = ZERO_SDS * float(np.hypot(sd[0], twist.sd_rad))
+        if np.isnan(off[0]):
+            off[0] = twist.angle_rad if abs(twist.angle_rad) > limit else 0.0
+        elif abs(off[0]) <= limits[0] and abs(twist.angle_rad - off[0]) > limit:
+            yaw = twist.angle_rad - float(off[0])
+    off = np.where(np.abs(off) > limits, off, 0.0)  # NaN is no finding
     says = []
     if off[0]:
-        says.append(f"the steering is {np.rad2deg(off[0]):+.1f} deg while it drives straight on")
+        says.append(f"the steering is {np.rad2deg(off[0]):+.1f} deg where it should be 0")
     if off[1]:
-        says.append(f"the throttle is {np.rad2deg(off[1]):+.1f} deg while it stands")
+        says.append(f"the throttle is {np.rad2deg(off[1]):+.1f} deg with the lever released")
+    if yaw:
+        says.append(f"their gyroscopes are turned by {np.rad2deg(yaw):+.1f} deg about the vertical")
+    if not says:
+        return
+    sensor, size = ("body", abs(yaw)) if yaw else ("lever", float(np.abs(off).max()))
+    back = Rotation.from_rotvec([0, 0, yaw]).as_matrix() if yaw else _untwisted(pair, off)
     yield fault_of(
         pair.recording, "turned", "lever, body", np.ones(len(body_acc), np.bool_),
         f"are not mounted as stated: {' and '.join(says)}; was one turned since the calibration? "
-        "Calibrate the mount", size=float(np.rad2deg(np.abs(off).max())), unit="deg",
-        repair=partial(turned_back, sensor="lever", rotation=_untwisted(pair, off)),
+        "Calibrate the mount", size=float(np.rad2deg(size)), unit="deg",
+        repair=partial(turned_back, sensor=sensor, rotation=back),
     )  # fmt: skip
 
 
 def _untwisted(pair: _Pair, off: FloatArray) -> FloatArray:
     """Turn of the lever's sensor that takes both zeros to zero, in its own axes."""
-    from mobility_imu.scooter.geometry import lever_acceleration
-
     up = [0.0, 0.0, 1.0]
     read = lever_acceleration(up, float(off[0]), float(off[1]), pair.geometry)
     right = lever_acceleration(up, 0.0, 0.0, pair.geometry)

@@ -35,6 +35,16 @@ LEAST_MOVED_DEG = 1.0
 """Stands for the standard deviation where none is stated."""
 UNTRUSTED_SDS = 2.0
 """A sample is not valid if a fault moves it by more than this times its standard deviation."""
+UNTRUSTED_DEG = 20.0
+"""The same, where none is stated: an error that the closed form allows in a valid sample
+(``LARGEST_ERROR_RAD``)."""
+SMALLEST_COST_DEG = 0.005
+"""Costs below are none: files have six decimals, sensors not three."""
+USUAL = {"lag": 0.03, "offset": 7.0}
+"""Sizes (s, deg/s) that sound recordings of others have: clocks joined by hand (a chair against
+motion capture), four standard deviations of a gyroscope's offset (data/reference/real_sensors.csv).
+Up to them a fault has to move an angle by twice its standard deviation to be told."""
+ANGLES = ("steering", "throttle")
 SPIKE_RADPS, SPIKE_TIMES = 1.0, 20.0
 """A rate that leaves both neighbours by more, and by so many times the usual change, is no
 movement: a hand needs more than 10 ms to reach, and to leave, 60 deg/s."""
@@ -114,8 +124,8 @@ def find_faults(
 def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
     """Ride whose samples are not valid where a fault of a sensor that is used moves them.
 
-    A fault counts if nothing can undo it, or if it moves an angle by more than
-    ``UNTRUSTED_SDS`` of its largest standard deviation.
+    A fault counts if nothing can undo it, or if it moves an angle by more than twice the standard
+    deviation (20 deg where none is stated).
 
     Parameters
     ----------
@@ -135,20 +145,20 @@ def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
 
 
 def _is_used(fault: Fault, settings: RideSettings) -> bool:
-    """Whether the estimate reads the half of the sensor that is at fault."""
+    """Whether the estimate reads what is at fault; only fusion reads gyroscopes."""
     if settings.method == "fusion":
         return True
-    return "_gyr" not in fault.sensor and any(name in fault.sensor for name in settings.sensors)
+    return "_gyr" not in fault.sensor and fault.code != "at odds"
 
 
 def _matters(fault: Fault, ride: RideAngles) -> bool:
     if fault.repair is None:
         return True
-    sd = {"steering": ride.steering_sd_rad, "throttle": ride.throttle_sd_rad}
+    stated = {"steering": ride.steering_sd_rad, "throttle": ride.throttle_sd_rad}
     for cost in fault.costs:
-        known = sd[cost.name][np.isfinite(sd[cost.name])]
-        usual = float(np.rad2deg(np.median(known))) if known.size else LEAST_MOVED_DEG
-        if cost.largest > UNTRUSTED_SDS * usual:
+        sd = stated[cost.name][np.isfinite(stated[cost.name])]
+        limit = UNTRUSTED_SDS * float(np.rad2deg(np.median(sd))) if sd.size else UNTRUSTED_DEG
+        if cost.largest > limit:
             return True
     return False
 
@@ -217,6 +227,39 @@ def _bridge(
     return fault.repair
 
 
+class _Runs:
+    """Angles of a recording as it is, then once each fault is undone; in deg, and in their sd."""
+
+    def __init__(
+        self, geometry: ScooterGeometry, mount: ScooterMount | None, settings: RideSettings
+    ) -> None:
+        self.geometry, self.mount, self.settings = geometry, mount, settings
+        self.angles_deg: list[FloatArray | None] = []
+        self.sd_deg: FloatArray = np.zeros((2, 0))
+
+    def __call__(self, recording: Recording) -> dict[tuple[str, str], FloatArray]:
+        """Estimate of a recording; one that is refused leaves None."""
+        self.angles_deg.append(None)
+        ride = estimate_ride(recording, self.geometry, self.mount, self.settings)
+        angles = np.rad2deg([ride.steering_rad, ride.throttle_rad])
+        if len(self.angles_deg) == 1:
+            stated = np.rad2deg([ride.steering_sd_rad, ride.throttle_sd_rad])
+            self.sd_deg = np.where(np.isfinite(stated), stated, LEAST_MOVED_DEG)
+        else:
+            angles = np.where(ride.valid, angles, np.nan)
+        self.angles_deg[-1] = angles
+        return {(name, "deg"): series for name, series in zip(ANGLES, angles, strict=True)}
+
+    def moved_sds(self, run: int) -> FloatArray | None:
+        """How far a repair moves the angles, (n,), in their sd; None if that is not known."""
+        if run >= len(self.angles_deg):
+            return None
+        found, better = self.angles_deg[0], self.angles_deg[run]
+        if found is None or better is None:
+            return None
+        return np.nan_to_num(np.abs(found - better) / self.sd_deg).max(axis=0)
+
+
 def _priced(
     faults: Sequence[Fault],
     recording: Recording,
@@ -225,33 +268,28 @@ def _priced(
     settings: RideSettings,
 ) -> tuple[Fault, ...]:
     """Faults with their costs; without those that every recording has and that move nothing."""
-    if not faults:
-        return ()
-    sds: list[FloatArray] = []
-
-    def estimate(one: Recording) -> dict[tuple[str, str], FloatArray]:
-        ride = estimate_ride(one, geometry, mount, settings)
-        angles = np.rad2deg([ride.steering_rad, ride.throttle_rad])
-        if not sds:
-            stated = np.rad2deg([ride.steering_sd_rad, ride.throttle_sd_rad])
-            sds.append(np.where(np.isfinite(stated), stated, LEAST_MOVED_DEG))
-        else:
-            angles = np.where(ride.valid, angles, np.nan)
-        both = dict(zip(("steering", "throttle"), angles, strict=True))
-        in_sds = dict(zip(("steering", "throttle"), angles / sds[0], strict=True))
-        return {
-            **{(name, "deg"): series for name, series in both.items()},
-            **{(name, "sd"): series for name, series in in_sds.items()},
-        }
-
-    told = []
-    for fault in with_costs(faults, recording, estimate):
-        moved = max((cost.largest for cost in fault.costs if cost.unit == "sd"), default=0.0)
-        if fault.code in GRADED and fault.costs and moved < LEAST_SDS and not _is_gross(fault):
+    runs, run, told = _Runs(geometry, mount, settings), 0, []
+    for fault in with_costs(faults, recording, runs):
+        moved = None
+        if fault.repair is not None:
+            run += 1
+            moved = runs.moved_sds(run)
+        if moved is None:
+            told.append(fault)
             continue
-        costs = tuple(cost for cost in fault.costs if cost.unit != "sd")
-        told.append(replace(fault, costs=costs))
+        most = float(moved.max(initial=0.0))
+        if fault.code in GRADED and most < _least_sds(fault) and not _is_gross(fault):
+            continue
+        costs = tuple(cost for cost in fault.costs if cost.largest >= SMALLEST_COST_DEG)
+        sentence = fault.sentence if costs else f"{fault.sentence}; it does not move the angles"
+        flags = fault.flags | (moved > UNTRUSTED_SDS)
+        told.append(replace(fault, costs=costs, sentence=sentence, flags=flags))
     return tuple(told)
+
+
+def _least_sds(fault: Fault) -> float:
+    """How far a fault has to move the angles to be told, in their sd."""
+    return UNTRUSTED_SDS if fault.size < USUAL.get(fault.code, 0.0) else LEAST_SDS
 
 
 def _is_gross(fault: Fault) -> bool:
