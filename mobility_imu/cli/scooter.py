@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -15,8 +14,15 @@ from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
-    from mobility_imu.faults import Fault
-    from mobility_imu.scooter import PoseCheck, PoseCheckSettings
+    from mobility_imu.recording import Recording
+    from mobility_imu.scooter import (
+        PoseCheck,
+        PoseCheckSettings,
+        RideAngles,
+        RideSettings,
+        ScooterGeometry,
+        ScooterMount,
+    )
     from mobility_imu.scooter.angles import Form as LibraryForm
 
 Method = Literal["closed-form", "fusion"]
@@ -73,14 +79,7 @@ def angles(
     """
     from mobility_imu.cli.summaries import read_line, ride_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import (
-        RideSettings,
-        ScooterGeometry,
-        ScooterMount,
-        estimate_ride,
-        find_faults,
-        mark_faults,
-    )
+    from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount
 
     outputs = Outputs({"--output": output}, (*recording_files(recording), geometry))
     _check_options(method, single_imu, acc_noise_mps2)
@@ -98,19 +97,29 @@ def angles(
         raise InputError(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone give --single-imu"
         )
-    faults = find_faults(ride, scooter, mount, settings)
-    tell_faults(faults, strict)
-    found = mark_faults(estimate_ride(ride, scooter, mount, settings), faults)
-    left = _not_told(found.warnings, faults)
-    warn(text.replace("median_window = ", "--median-window ") for text in left)
+    found = _judged(ride, scooter, mount, settings, strict)
     outputs.write({output: csv_bytes(found.to_frame(), output)})
     summarize([read_line(ride), *ride_lines(found), written_line([output])], quiet)
 
 
-def _not_told(warnings: Sequence[str], faults: Sequence[Fault]) -> list[str]:
-    """Warnings of an estimate without those on sensors whose fault was told with its cost."""
+def _judged(
+    recording: Recording,
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None,
+    settings: RideSettings,
+    strict: bool,
+) -> RideAngles:
+    """Angles of a ride whose faults are told, and which are not valid where these move them."""
+    from mobility_imu.scooter import estimate_ride, find_faults, mark_faults
+
+    faults = find_faults(recording, geometry, mount, settings)
+    tell_faults(faults, strict)
+    found = mark_faults(estimate_ride(recording, geometry, mount, settings), faults)
+    # The estimate says of some sensors what was told with its cost.
     told = [f": {fault.sensor} is " for fault in faults if fault.code in ("frozen", "range")]
-    return [text for text in warnings if not any(sensor in text for sensor in told)]
+    left = [text for text in found.warnings if not any(sensor in text for sensor in told)]
+    warn(text.replace("median_window = ", "--median-window ") for text in left)
+    return found
 
 
 def _check_options(method: Method, single_imu: bool, noise: float | None) -> None:
@@ -147,6 +156,7 @@ def calibrate(
     from mobility_imu.cli.summaries import scooter_mount_lines, written_line
     from mobility_imu.readers import recording_files
     from mobility_imu.scooter import ScooterGeometry, calibrate_mount, find_faults
+    from mobility_imu.scooter.calibration import LARGEST_MISFIT_RAD
 
     files = (file for path in parked for file in recording_files(path))
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
@@ -158,6 +168,8 @@ def calibrate(
     for recording in recordings:
         tell_faults(find_faults(recording, scooter), strict)
     found = calibrate_mount(recordings, settings, scooter)
+    if strict and found.misfit_rad > LARGEST_MISFIT_RAD:
+        raise InputError(f"{poses}: {found.warnings[0]}")
     warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
     outputs.write({output: found.to_toml().encode()})
     read = f"read: {len(parked)} parked recordings, {len(settings)} poses in each"

@@ -168,8 +168,10 @@ def seen_by(
     found = estimate_angles(lever, body, geometry)
     good = found.valid & np.isfinite(found.steering_rad)
     # A sample that is not trusted may lie a turn away: only its neighbours' turns are followed.
-    angles = (np.unwrap(np.nan_to_num(a)) for a in (found.steering_rad, found.throttle_rad))
-    return Seen(*angles, good)
+    steering, throttle = (
+        np.unwrap(np.nan_to_num(angle)) for angle in (found.steering_rad, found.throttle_rad)
+    )
+    return Seen(steering, throttle, good)
 
 
 def motion_of(
@@ -244,7 +246,7 @@ def agreement(seen: Seen, motion: Motion) -> Agreement:
     ):
         rates, angles = (_detrended(values, good) for values in (by_rates, by_acc))
         misfits.append(rms(rates - angles) / float(np.hypot(fraction * rms(angles), least)))
-    return Agreement(locked, *misfits, both / product if product > 0 else 0.0)
+    return Agreement(locked, misfits[0], misfits[1], both / product if product > 0 else 0.0)
 
 
 def _detrended(values: FloatArray, good: NDArray[np.bool_]) -> FloatArray:

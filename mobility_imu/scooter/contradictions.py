@@ -27,6 +27,7 @@ from mobility_imu.faults import (
     with_half,
     with_readings,
 )
+from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.offsets import rest_flags
@@ -412,9 +413,9 @@ def _drift(pair: _Pair) -> Fault | None:
     fits = {}
     for name in ("lever", "body"):
         before = _residuals(pair, name, none)
-        columns = [_residuals(pair, name, step) - before for step in np.eye(3)]
-        offset, *_ = np.linalg.lstsq(np.column_stack(columns), -before, rcond=None)
-        fits[name] = (float(np.sum(_residuals(pair, name, offset) ** 2)), -offset)
+        columns = [_residuals(pair, name, np.eye(3)[k]) - before for k in range(3)]
+        added = np.asarray(np.linalg.lstsq(np.column_stack(columns), -before, rcond=None)[0], float)
+        fits[name] = (rms(_residuals(pair, name, added)), -added)
     name = min(fits, key=lambda one: fits[one][0])
     offset = fits[name][1]
     size = float(np.abs(offset).max())

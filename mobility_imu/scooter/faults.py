@@ -257,7 +257,7 @@ class _Runs:
         found, better = self.angles_deg[0], self.angles_deg[run]
         if found is None or better is None:
             return None
-        return np.nan_to_num(np.abs(found - better) / self.sd_deg).max(axis=0)
+        return np.asarray(np.nan_to_num(np.abs(found - better) / self.sd_deg).max(axis=0))
 
 
 def _priced(
