@@ -16,7 +16,9 @@ __all__ = [
     "clip",
     "exchange",
     "freeze",
+    "jump",
     "late",
+    "mirror",
     "offset",
     "reverse",
     "scale",
@@ -215,6 +217,46 @@ def turn(recording: Recording, sensor: str, rotation: ArrayLike) -> Recording:
     imu = recording.sensor(sensor)
     gyr = None if imu.gyr_radps is None else imu.gyr_radps @ rotation.T
     return _replaced(recording, {sensor: Imu(imu.acc_mps2 @ rotation.T, gyr)})
+
+
+def mirror(recording: Recording, sensor: str, axis: int) -> Recording:
+    """Recording of a sensor whose axes are left-handed: one axis of both halves is reversed.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    axis : 0, 1 or 2
+
+    Returns
+    -------
+    Recording
+    """
+    signs = np.where(np.arange(3) == axis, -1.0, 1.0)
+    return scale(scale(recording, sensor, "acc", signs), sensor, "gyr", signs)
+
+
+def jump(recording: Recording, start_s: float, length_s: float) -> Recording:
+    """Recording whose clock leaps once.
+
+    Parameters
+    ----------
+    recording : Recording
+    start_s : s after the recording's start
+    length_s : s; negative for a leap back
+
+    Returns
+    -------
+    Recording
+
+    Raises
+    ------
+    InputError
+        If the leap leaves a gap, or times that run backwards: then nothing reads it.
+    """
+    time_s = recording.time_s.copy()
+    time_s[time_s - time_s[0] >= start_s] += as_number(length_s, "length_s", negative=True)
+    return Recording(time_s, recording.sensors, source=recording.source)
 
 
 def _half(recording: Recording, sensor: str, half: str) -> FloatArray:
