@@ -271,7 +271,15 @@ def lag_between(motion: Motion, good: NDArray[np.bool_], rate_hz: float) -> Lag:
     -------
     Lag
     """
-    lever, body = motion.lever_locked * good, motion.body_locked * good
+    low, high = SHAKING_HZ[0], min(SHAKING_HZ[1], 0.4 * rate_hz)
+    if low >= high or good.sum() < SHORTEST_SHAKING_S * rate_hz:
+        return Lag(0.0, np.inf, 0.0)
+    # A mount that is off bends slow turns, which shifts their peak: fast ones are exact.
+    band = signal.butter(2, [low, high], "band", fs=rate_hz, output="sos")
+    lever, body = (
+        signal.sosfiltfilt(band, rates) * good
+        for rates in (motion.lever_locked, motion.body_locked)
+    )
     longest = min(round(LONGEST_LAG_S * rate_hz), len(lever) // 4)
     size = 2 ** int(np.ceil(np.log2(len(lever) + longest + 1)))
     spectra = np.fft.rfft(lever, size) * np.conj(np.fft.rfft(body, size))

@@ -22,7 +22,7 @@ from mobility_imu.health import examine, fault_of
 from mobility_imu.recording import Recording
 from mobility_imu.scooter.contradictions import contradictions
 from mobility_imu.scooter.geometry import ScooterGeometry
-from mobility_imu.scooter.mended import carried, rebuilt
+from mobility_imu.scooter.mended import carried, rebuilt, stretched
 from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.scooter.ride import RideAngles, RideSettings, estimate_ride
 
@@ -38,12 +38,14 @@ UNTRUSTED_SDS = 2.0
 UNTRUSTED_DEG = 20.0
 """The same, where none is stated: an error that the closed form allows in a valid sample
 (``LARGEST_ERROR_RAD``)."""
-SMALLEST_COST_DEG = 0.005
-"""Costs below are none: files have six decimals, sensors not three."""
+SMALLEST_COST_DEG = 0.05
+"""Costs below are not named."""
 USUAL = {"lag": 0.03, "offset": 7.0}
 """Sizes (s, deg/s) that sound recordings of others have: clocks joined by hand (a chair against
 motion capture), four standard deviations of a gyroscope's offset (data/reference/real_sensors.csv).
 Up to them a fault has to move an angle by twice its standard deviation to be told."""
+LAG_FACTOR = 2.0
+"""A lag moves an angle by its rate, and by the scooter's own turning, which is as fast at most."""
 ANGLES = ("steering", "throttle")
 SPIKE_RADPS, SPIKE_TIMES = 1.0, 20.0
 """A rate that leaves both neighbours by more, and by so many times the usual change, is no
@@ -52,6 +54,10 @@ GROSS = {"lag": 0.1, "offset": 20.0, "turned": float("inf")}
 """Sizes (s, deg/s) from which on such faults are told whatever they cost."""
 GROSS_SCALE = 1.3
 """The same of a scale, or of its inverse."""
+BY_CHANCE = {"frozen": 1.0, "range": 6}
+"""Sizes (s, samples) up to which such a fault is told only if it moves the angles: a sensor in
+steps of 0.01 g repeats for half a second by chance where it rests, and its largest reading for some
+samples."""
 GRADED = (*GROSS, "scale")
 """Faults that every recording has a little of."""
 
@@ -178,7 +184,7 @@ def _alone(
             continue  # both sensors together say it better
         if fault.code == "spike":
             spiky.add(fault.sensor)
-        if fault.code == "frozen":
+        if fault.code in ("frozen", "range"):
             fault = replace(fault, repair=_bridge(recording, fault, names, geometry, mount))
         yield fault
     for name in names:
@@ -217,14 +223,16 @@ def _bridge(
     geometry: ScooterGeometry,
     mount: ScooterMount | None,
 ) -> Repair | None:
-    """What puts other sensors' knowledge where one repeats itself."""
+    """What puts the other sensors' knowledge where one repeats itself, or is cut."""
     name, half = fault.sensor.split("_")[:2]
     gyroscopes = all(recording.sensor(one).gyr_radps is not None for one in names)
-    if half == "gyr" and len(names) == 2 and gyroscopes:
-        return partial(rebuilt, sensor=name, flags=fault.flags, geometry=geometry, mount=mount)
-    if half == "acc" and recording.sensor(name).gyr_radps is not None and not fault.flags.all():
-        return partial(carried, sensor=name, flags=fault.flags)
-    return fault.repair
+    if len(names) < 2 or not gyroscopes:
+        return fault.repair
+    ways = {("frozen", "gyr"): rebuilt, ("frozen", "acc"): carried, ("range", "gyr"): stretched}
+    way = ways.get((fault.code, half))
+    if way is None:
+        return fault.repair
+    return partial(way, sensor=name, flags=fault.flags, geometry=geometry, mount=mount)
 
 
 class _Runs:
@@ -249,6 +257,14 @@ class _Runs:
             angles = np.where(ride.valid, angles, np.nan)
         self.angles_deg[-1] = angles
         return {(name, "deg"): series for name, series in zip(ANGLES, angles, strict=True)}
+
+    def most_by_lag(self, lag_s: float, rate_hz: float) -> float:
+        """How far a lag can move the angles at most, in their sd: by their rates."""
+        found = self.angles_deg[0]
+        if found is None:
+            return np.inf
+        rates = np.abs(np.gradient(found, axis=1)) * rate_hz
+        return float((LAG_FACTOR * lag_s * rates / self.sd_deg).max())
 
     def moved_sds(self, run: int) -> FloatArray | None:
         """How far a repair moves the angles, (n,), in their sd; None if that is not known."""
@@ -278,21 +294,39 @@ def _priced(
             told.append(fault)
             continue
         most = float(moved.max(initial=0.0))
-        if fault.code in GRADED and most < _least_sds(fault) and not _is_gross(fault):
+        if fault.code == "lag" and fault.size < USUAL["lag"]:
+            most = min(most, runs.most_by_lag(fault.size, recording.sampling_rate_hz))
+        if most < _least_sds(fault) and not _is_gross(fault):
             continue
-        costs = tuple(cost for cost in fault.costs if cost.largest >= SMALLEST_COST_DEG)
-        sentence = fault.sentence if costs else f"{fault.sentence}; it does not move the angles"
         flags = fault.flags | (moved > UNTRUSTED_SDS)
-        told.append(replace(fault, costs=costs, sentence=sentence, flags=flags))
+        if most >= LEAST_SDS:
+            costs = tuple(cost for cost in fault.costs if cost.largest >= SMALLEST_COST_DEG)
+            told.append(replace(fault, costs=costs, flags=flags))
+        else:
+            # What a repair changes within the estimate's own noise is no measure of the fault.
+            sentence = f"{fault.sentence}; {_says_little(settings, fault)}"
+            told.append(replace(fault, costs=(), flags=flags, sentence=sentence))
     return tuple(told)
+
+
+def _says_little(settings: RideSettings, fault: Fault) -> str:
+    """That a fault hardly matters, in words that are true of the estimate."""
+    if not _is_used(fault, settings):
+        return "the closed form does not use it"
+    if settings.method == "closed-form" and settings.acc_noise_mps2 is None:
+        return f"it moves the angles by less than {LEAST_MOVED_DEG:.0f} deg"
+    return "it moves the angles by less than their standard deviation"
 
 
 def _least_sds(fault: Fault) -> float:
     """How far a fault has to move the angles to be told, in their sd."""
-    return UNTRUSTED_SDS if fault.size < USUAL.get(fault.code, 0.0) else LEAST_SDS
+    if fault.code in GRADED:
+        return UNTRUSTED_SDS if fault.size < USUAL.get(fault.code, 0.0) else LEAST_SDS
+    size = fault.samples if fault.code == "range" else fault.size
+    return LEAST_SDS if size < BY_CHANCE.get(fault.code, 0.0) else 0.0
 
 
 def _is_gross(fault: Fault) -> bool:
     if fault.code == "scale":
         return max(fault.size, 1 / fault.size) > GROSS_SCALE
-    return fault.size > GROSS[fault.code]
+    return fault.size > GROSS.get(fault.code, np.inf)

@@ -1,28 +1,28 @@
 """Readings that a sensor lost, from those of the others: as good as can be, for the cost of a loss.
 
 The rates of a gyroscope that says nothing follow from the other one and the closed form's angles;
-an acceleration that stands still follows from its own gyroscope, which turns gravity.
+an acceleration that stands still follows from the other one and the gyroscopes' angles.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
+from scipy import ndimage
 
-from mobility_imu.faults import half_of, with_half
+from mobility_imu.faults import with_half
 from mobility_imu.frames import FloatArray
-from mobility_imu.hinges import column_vector, steered, turn
+from mobility_imu.hinges import column_vector, hinge_rates, steered, turn
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
 from mobility_imu.scooter.agreement import seen_by
-from mobility_imu.scooter.geometry import ScooterGeometry
+from mobility_imu.scooter.geometry import ScooterGeometry, rotation_lever_to_body
 from mobility_imu.scooter.mount import ScooterMount
 
-__all__ = ["carried", "rebuilt"]
+__all__ = ["carried", "rebuilt", "stretched"]
 
-BESIDE_S = 0.2
-"""Accelerations are averaged over this beside a loss: a blow is no gravity."""
+BESIDE_S = 0.3
+"""Angles are averaged over this beside a loss: a blow is no gravity."""
 UNTURNED = np.eye(3)
 
 
@@ -49,11 +49,7 @@ def rebuilt(
     -------
     Recording
     """
-    rate_hz = recording.sampling_rate_hz
-    axes = {
-        "lever": UNTURNED if mount is None else mount.rotation_lever_imu_to_lever,
-        "body": UNTURNED if mount is None else mount.rotation_body_imu_to_body,
-    }
+    rate_hz, axes = recording.sampling_rate_hz, _axes(mount)
     acc = {name: recording.sensor(name).acc_mps2 @ turns.T for name, turns in axes.items()}
     seen = seen_by(acc["lever"], acc["body"], rate_hz, geometry)
     angles = seen.steering_rad, seen.throttle_rad
@@ -74,48 +70,119 @@ def rebuilt(
     return with_half(recording, sensor, "gyr", rates)
 
 
-def carried(recording: Recording, sensor: str, flags: NDArray[np.bool_]) -> Recording:
-    """Recording in which lost accelerations are gravity, turned by the sensor's own gyroscope.
+def stretched(
+    recording: Recording,
+    sensor: str,
+    flags: NDArray[np.bool_],
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None,
+) -> Recording:
+    """Recording in which a gyroscope's cut rates are those that the other sensors expect.
 
-    Gravity is carried on from before the loss and back from after it; in between it goes over from
-    the one to the other.
+    Only axes at the end of the range change, and to no less than that.
 
     Parameters
     ----------
-    recording : Recording
-    sensor : name of a sensor with a gyroscope
-    flags : (n,) bool array, the lost samples
+    recording : Recording of lever and body with gyroscopes
+    sensor : "lever" or "body", whose rates are cut
+    flags : (n,) bool array, the samples at the end of the range
+    geometry : ScooterGeometry
+    mount : ScooterMount, or None
 
     Returns
     -------
-    Recording; as it was if there is nothing to carry on from
+    Recording
     """
-    values = np.array(half_of(recording, sensor, "acc"))
-    gyr, rate_hz = recording.gyroscope(sensor), recording.sampling_rate_hz
+    readings = recording.gyroscope(sensor)
+    expected = rebuilt(recording, sensor, flags, geometry, mount).gyroscope(sensor)
+    limit = np.abs(readings[flags]).max(axis=0, initial=0.0)
+    at_end = flags[:, None] & (np.abs(readings) == limit)
+    sign = np.sign(readings)
+    rates = np.where(at_end, sign * np.maximum(limit, sign * expected), readings)
+    return with_half(recording, sensor, "gyr", rates)
+
+
+def carried(
+    recording: Recording,
+    sensor: str,
+    flags: NDArray[np.bool_],
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None,
+) -> Recording:
+    """Recording in which an accelerometer's lost readings are those that the other one expects.
+
+    In a loss the angles go on by the hinges' rates, from what they were before to what they are
+    after it; with them eq. 5 turns the other sensor's acceleration.
+
+    Parameters
+    ----------
+    recording : Recording of lever and body with gyroscopes
+    sensor : "lever" or "body", whose accelerations are lost
+    flags : (n,) bool array, the lost samples
+    geometry : ScooterGeometry
+    mount : ScooterMount, or None
+
+    Returns
+    -------
+    Recording; as it was if nothing is left beside the loss
+    """
+    if flags.all():
+        return recording
+    rate_hz, axes = recording.sampling_rate_hz, _axes(mount)
+    acc = {name: recording.sensor(name).acc_mps2 @ turns.T for name, turns in axes.items()}
+    gyr = {name: recording.gyroscope(name) @ turns.T for name, turns in axes.items()}
+    seen = seen_by(acc["lever"], acc["body"], rate_hz, geometry)
+    angles = np.column_stack([seen.steering_rad, seen.throttle_rad])
     beside = max(1, round(BESIDE_S * rate_hz))
-    known = ~flags
-    for lost in runs_of(flags):
-        before = np.flatnonzero(known[: lost.start])[-beside:]
-        after = np.flatnonzero(known[lost.stop :])[:beside] + lost.stop
-        ways = []
-        if len(before):
-            ways.append(_turned(np.median(values[before], axis=0), gyr[lost], rate_hz))
-        if len(after):
-            back = _turned(np.median(values[after], axis=0), -gyr[lost][::-1], rate_hz)
-            ways.append(back[::-1])
-        if len(ways) == 2:
-            part = np.linspace(0, 1, len(ways[0]))[:, None]
-            values[lost] = (1 - part) * ways[0] + part * ways[1]
-        elif ways:
-            values[lost] = ways[0]
+    # Means that reach into a loss are no angles.
+    known = ~ndimage.binary_dilation(flags, iterations=beside)
+    if not known.any():
+        return recording
+    for lost in runs_of(~known):
+        angles[lost] = _integrated(angles, gyr, lost, geometry, rate_hz)
+    turns = rotation_lever_to_body(angles[:, 0], angles[:, 1], geometry)
+    if sensor == "lever":
+        expected = np.einsum("nji,nj->ni", turns, acc["body"])
+    else:
+        expected = np.einsum("nij,nj->ni", turns, acc["lever"])
+    readings = recording.sensor(sensor).acc_mps2
+    values = np.where(flags[:, None], expected @ axes[sensor], readings)
     return with_half(recording, sensor, "acc", values)
 
 
-def _turned(force: FloatArray, gyr: FloatArray, rate_hz: float) -> FloatArray:
-    """Force that stays in the world, in the axes of a sensor that turns, (n, 3)."""
-    turns = Rotation.from_rotvec(-gyr / rate_hz)
-    out = np.empty((len(gyr), 3))
-    for k, matrix in enumerate(turns.as_matrix()):
-        force = matrix @ force
-        out[k] = force
-    return out
+def _axes(mount: ScooterMount | None) -> dict[str, FloatArray]:
+    """Rotations from both IMUs' axes to {T} and {B}."""
+    if mount is None:
+        return {"lever": UNTURNED, "body": UNTURNED}
+    return {"lever": mount.rotation_lever_imu_to_lever, "body": mount.rotation_body_imu_to_body}
+
+
+def _integrated(
+    angles: FloatArray,
+    gyr: dict[str, FloatArray],
+    lost: slice,
+    geometry: ScooterGeometry,
+    rate_hz: float,
+) -> FloatArray:
+    """Angles within a loss, (m, 2): the hinges' rates, bent to the known angles on both sides."""
+    count = lost.stop - lost.start
+    before = angles[lost.start - 1] if lost.start else None
+    after = angles[lost.stop] if lost.stop < len(angles) else None
+    alpha = geometry.steering_inclination_rad
+    sin, cos = float(np.sin(alpha)), float(np.cos(alpha))
+    ways = []
+    for start, order, step in ((before, range(count), 1), (after, range(count - 1, -1, -1), -1)):
+        if start is None:
+            continue
+        way, now = np.empty((count, 2)), np.array(start)
+        for k in order:
+            at = lost.start + k
+            tip = now[1] + geometry.lean_rad
+            rates = hinge_rates(gyr["lever"][at], gyr["body"][at], now[0], tip, sin, cos)[:2]
+            now = now + step * np.array(rates) / rate_hz
+            way[k] = now
+        ways.append(way)
+    if len(ways) == 1:
+        return ways[0]
+    part = np.linspace(0, 1, count)[:, None]
+    return np.asarray((1 - part) * ways[0] + part * ways[1])

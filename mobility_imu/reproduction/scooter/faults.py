@@ -98,6 +98,11 @@ class Ride(NamedTuple):
     mount: ScooterMount | None
     level: str
 
+    @property
+    def found(self) -> RideAngles:
+        """Its angles by fusion."""
+        return _angles_of(self)
+
 
 class Case(NamedTuple):
     """A fault that is put into a ride.
@@ -180,7 +185,8 @@ def _spikes(ride: Recording, rng: np.random.Generator) -> Case:
     name, half = _sensor(rng), _half(rng)
     size = _log(rng, 5.0, 5000.0) if half == "acc" else _log(rng, 0.2, 35.0)
     count = int(rng.integers(1, 21))
-    places, axis = rng.choice(np.arange(5, len(ride) - 5), count, replace=False), rng.integers(3)
+    places = rng.choice(np.arange(5, len(ride) - 5), count, replace=False)
+    axis = int(rng.integers(3))
     return Case(f"{name}_{half}", size, lambda: put.spike(ride, name, half, places, axis, size))
 
 
@@ -264,7 +270,7 @@ KINDS: dict[str, Kind] = {
     "exchanged sensors": Kind(_exchanged, "", ("exchanged",)),
     "turned since the calibration": Kind(_turned, "deg", ("turned", "at odds"), True),
     "reversed gyroscope": Kind(_reversed, "", ("reversed",)),
-    "left-handed axes": Kind(_left_handed, "", ("reversed", "at odds")),
+    "left-handed axes": Kind(_left_handed, "", ("left-handed", "reversed")),
     "clock": Kind(_clock, "s", ("refused",)),
 }
 """Kinds of faults; sizes are drawn log-uniformly from harmless to gross."""
@@ -290,6 +296,11 @@ def ride_of(number: int, first_seed: int = SEED, course: str = "round") -> Ride:
     ride = simulate_ride(way, seed=seed, unit=unit, driver=draw_driver(seed), sensor=sensor)
     mount = _calibrated(seed, sensor) if fine else None
     return Ride(ride.recording, mount, "LPMS, calibrated" if fine else "real")
+
+
+@cache
+def _angles_of(ride: Ride) -> RideAngles:
+    return estimate_ride(ride.recording, SUZUKI_ET4D, ride.mount, FUSION)
 
 
 def _calibrated(seed: int, sensor: SensorModel) -> ScooterMount:
@@ -339,12 +350,12 @@ def rows_of(ride: int) -> list[list[Any]]:
         for _ in range(cases_of(name, ride)):
             case = kind.draw(clean.recording, rng)
             rows.append([name, clean.level, case.sensor, case.size, kind.unit, *told_of(
-                case, clean, kind.codes, name
+                case, clean, kind.codes
             )])  # fmt: skip
     return rows
 
 
-def told_of(case: Case, clean: Ride, codes: Sequence[str], kind: str) -> list[Any]:
+def told_of(case: Case, clean: Ride, codes: Sequence[str]) -> list[Any]:
     """What a fault does to the angles, and what is told of it.
 
     Parameters
@@ -352,7 +363,6 @@ def told_of(case: Case, clean: Ride, codes: Sequence[str], kind: str) -> list[An
     case : Case
     clean : Ride that it is put into
     codes : by which it is rightly told
-    kind : of :data:`KINDS`
 
     Returns
     -------
@@ -364,7 +374,7 @@ def told_of(case: Case, clean: Ride, codes: Sequence[str], kind: str) -> list[An
         found = estimate_ride(faulty, SUZUKI_ET4D, clean.mount, FUSION)
     except InputError:
         return [np.inf, "refused", 1, *unknown]
-    real, sds = _moved(found, _alike(clean, faulty, kind))
+    real, sds = _moved(found, _alike(clean, faulty))
     faults = find_faults(faulty, SUZUKI_ET4D, clean.mount, FUSION)
     if not faults:
         return [sds, "", 0, np.nan, real[0], np.nan, real[1]]
@@ -374,12 +384,13 @@ def told_of(case: Case, clean: Ride, codes: Sequence[str], kind: str) -> list[An
     return [sds, told.code, int(bool(right)), stated[0], real[0], stated[1], real[1]]
 
 
-def _alike(clean: Ride, faulty: Recording, kind: str) -> RideAngles:
+def _alike(clean: Ride, faulty: Recording) -> RideAngles:
     """Angles of the same part of the ride without the fault."""
     part = clean.recording
-    if len(part) != len(faulty):
-        end = float(faulty.time_s[-1]) + 1e-6
-        part = part.trim(float(faulty.time_s[0]) - 1e-6, end)
+    if len(part) == len(faulty):
+        return clean.found
+    first, last = float(faulty.time_s[0]), float(faulty.time_s[-1])
+    part = part.trim(first - 1e-6, last + 1e-6)
     return estimate_ride(part, SUZUKI_ET4D, clean.mount, FUSION)
 
 
