@@ -76,8 +76,9 @@ LEAST_EXPLAINED = 0.5
 """Part of the lever's shaking that the body's has to explain before it says how both are turned."""
 LARGEST_LEAN_RAD = float(np.deg2rad(20.0))
 """Angle of the body's axis z from the vertical at the beginning: twice the steepest ramp."""
-LARGEST_SWUNG_RAD = float(np.deg2rad(45.0))
-"""The same of the lever's sensor: gravity turns by up to 35 deg in its axes with the controls."""
+LARGEST_SWUNG_RAD = float(np.deg2rad(25.0))
+"""The same of the lever's sensor: with the lever released, gravity turns by 17 deg in its axes when
+the wheel is turned by 50 deg."""
 FIRST_S = 1.0
 SHAFT_SD_RAD = float(np.deg2rad(2.8))
 """Turn of two IMUs about z, each stuck on by eye to 2 deg."""

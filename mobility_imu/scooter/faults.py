@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.faults import Fault, Repair, all_repaired, interpolated, with_costs
 from mobility_imu.frames import FloatArray
-from mobility_imu.health import examine, fault_of
+from mobility_imu.health import FEWEST_VALUES, examine, fault_of
 from mobility_imu.recording import Recording
 from mobility_imu.scooter.contradictions import contradictions
 from mobility_imu.scooter.geometry import ScooterGeometry
-from mobility_imu.scooter.mended import carried, rebuilt, stretched
+from mobility_imu.scooter.mended import carried, lengthened, rebuilt, stretched
 from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.scooter.ride import RideAngles, RideSettings, estimate_ride
 
@@ -58,6 +58,8 @@ BY_CHANCE = {"frozen": 1.0, "range": 6}
 """Sizes (s, samples) up to which such a fault is told only if it moves the angles: a sensor in
 steps of 0.01 g repeats for half a second by chance where it rests, and its largest reading for some
 samples."""
+MOSTLY = 0.5
+"""Part of the samples at which an axis cannot be at its largest value by chance."""
 GRADED = (*GROSS, "scale")
 """Faults that every recording has a little of."""
 
@@ -177,7 +179,7 @@ def _alone(
 ) -> Iterator[Fault]:
     """Faults that one sensor shows by itself."""
     spiky = set()
-    for fault in examine(recording):
+    for fault in (*examine(recording), *_pinned(recording, names)):
         if not all(part.split("_")[0] in names for part in fault.sensor.split(", ")):
             continue
         if fault.code == "reversed" and len(names) == 2:
@@ -200,6 +202,23 @@ def _alone(
                 "remove them", size=largest, unit="rad/s",
                 repair=partial(interpolated, sensor=name, half="gyr", flags=far),
             )  # fmt: skip
+
+
+def _pinned(recording: Recording, names: Sequence[str]) -> Iterator[Fault]:
+    """Axes of an accelerometer that say one number, their largest, most of the time."""
+    for name in names:
+        acc = recording.sensor(name).acc_mps2
+        size = np.abs(acc)
+        for k in range(3):
+            at_end = size[:, k] == size[:, k].max()
+            others = np.delete(acc, k, axis=1)
+            lively = all(len(np.unique(axis)) > FEWEST_VALUES for axis in others.T)
+            if lively and MOSTLY < at_end.mean() < 1:
+                yield fault_of(
+                    recording, "range", f"{name}_acc", at_end,
+                    f"stays at the end of its range, {size[:, k].max():.4g} m/s², most of the "
+                    "time; choose a wider range", size=float(size[:, k].max()), unit="m/s²",
+                )  # fmt: skip
 
 
 def _small_spikes(gyr: FloatArray) -> NDArray[np.bool_]:
@@ -229,6 +248,8 @@ def _bridge(
     if len(names) < 2 or not gyroscopes:
         return fault.repair
     ways = {("frozen", "gyr"): rebuilt, ("frozen", "acc"): carried, ("range", "gyr"): stretched}
+    if (fault.code, half) == ("range", "acc"):
+        return partial(lengthened, sensor=name, flags=fault.flags)
     way = ways.get((fault.code, half))
     if way is None:
         return fault.repair

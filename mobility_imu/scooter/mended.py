@@ -15,11 +15,11 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.hinges import column_vector, hinge_rates, steered, turn
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
-from mobility_imu.scooter.agreement import seen_by
+from mobility_imu.scooter.agreement import MEAN_S, seen_by
 from mobility_imu.scooter.geometry import ScooterGeometry, rotation_lever_to_body
 from mobility_imu.scooter.mount import ScooterMount
 
-__all__ = ["carried", "rebuilt", "stretched"]
+__all__ = ["carried", "lengthened", "rebuilt", "stretched"]
 
 BESIDE_S = 0.3
 """Angles are averaged over this beside a loss: a blow is no gravity."""
@@ -77,9 +77,9 @@ def stretched(
     geometry: ScooterGeometry,
     mount: ScooterMount | None,
 ) -> Recording:
-    """Recording in which a gyroscope's cut rates are those that the other sensors expect.
+    """Recording in which cut rates bow over the end of the range as the other sensors expect.
 
-    Only axes at the end of the range change, and to no less than that.
+    Of what those say, only the mean over each time at the end counts; it is no less than the end.
 
     Parameters
     ----------
@@ -93,13 +93,49 @@ def stretched(
     -------
     Recording
     """
-    readings = recording.gyroscope(sensor)
+    rates = np.array(recording.gyroscope(sensor))
     expected = rebuilt(recording, sensor, flags, geometry, mount).gyroscope(sensor)
-    limit = np.abs(readings[flags]).max(axis=0, initial=0.0)
-    at_end = flags[:, None] & (np.abs(readings) == limit)
-    sign = np.sign(readings)
-    rates = np.where(at_end, sign * np.maximum(limit, sign * expected), readings)
+    for k, axis in enumerate(rates.T):
+        limit = float(np.abs(axis[flags]).max(initial=0.0))
+        for cut in runs_of(flags & (np.abs(axis) == limit)):
+            sign = np.sign(axis[cut.start])
+            beyond = max(0.0, float(np.mean(sign * expected[cut, k])) - limit)
+            count = cut.stop - cut.start
+            across = (np.arange(count) + 0.5) / count * 2 - 1
+            rates[cut, k] = sign * (limit + beyond * 1.5 * (1 - across**2))
     return with_half(recording, sensor, "gyr", rates)
+
+
+def lengthened(recording: Recording, sensor: str, flags: NDArray[np.bool_]) -> Recording:
+    """Recording in which a cut axis of an accelerometer is as long as the other sensor says.
+
+    Whatever the angles, both measure accelerations of one length; averaged, for blows are not
+    shared.
+
+    Parameters
+    ----------
+    recording : Recording of lever and body
+    sensor : "lever" or "body", whose accelerations are cut
+    flags : (n,) bool array, the samples at the end of the range
+
+    Returns
+    -------
+    Recording
+    """
+    other = "body" if sensor == "lever" else "lever"
+    width = max(1, round(MEAN_S * recording.sampling_rate_hz))
+    length, values = (
+        ndimage.uniform_filter1d(recording.sensor(name).acc_mps2 ** 2, width, axis=0)
+        for name in (other, sensor)
+    )
+    acc = np.array(recording.sensor(sensor).acc_mps2)
+    for k, axis in enumerate(acc.T):
+        limit = float(np.abs(axis[flags]).max(initial=0.0))
+        cut = flags & (np.abs(axis) == limit)
+        rest = values.sum(axis=1) - values[:, k]
+        size = np.sqrt(np.maximum(length.sum(axis=1) - rest, limit**2))
+        acc[cut, k] = (np.sign(axis) * size)[cut]
+    return with_half(recording, sensor, "acc", acc)
 
 
 def carried(
