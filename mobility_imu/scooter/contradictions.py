@@ -13,7 +13,6 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize
 from scipy.spatial.transform import Rotation
 
@@ -24,30 +23,23 @@ from mobility_imu.faults import (
     exchanged,
     multiplied,
     shifted,
-    with_half,
     with_readings,
 )
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
-from mobility_imu.offsets import rest_flags
 from mobility_imu.recording import Recording
-from mobility_imu.runs import long_runs
-from mobility_imu.scooter.agreement import (
-    Agreement,
-    Lag,
-    Motion,
-    Seen,
-    agreement,
-    lag_between,
-    motion_of,
-    seen_by,
-    twist_between,
-)
+from mobility_imu.scooter.agreement import Agreement, Lag, lag_between, twist_between
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 from mobility_imu.scooter.machine import zeros_of
 from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.scooter.pose_check import pose_uncertainty
+from mobility_imu.scooter.sensor_pair import (
+    LARGE_OFFSET_RADPS,
+    SensorPair,
+    offsets_at_rest,
+    shifted_rates,
+)
 
 __all__ = ["contradictions"]
 
@@ -63,15 +55,10 @@ SMALLEST_LAG_S, LAG_SDS = 0.01, 5.0
 SMALLEST_SCALE, LARGEST_SCALE = 0.07, 3.0
 """Scale errors of gyroscopes end at 3 % (data sheets of consumer sensors), and mounts that are off
 by 2 deg move what is found by as much again."""
-LARGE_OFFSET_RADPS = float(np.deg2rad(4.5))
-"""Data sheets of consumer sensors state up to 3 deg/s at rest, and half as much for warmth."""
-SHORTEST_REST_S = 1.0
-LARGEST_SPIN = 0.9
-"""Part of a rate at rest that lies along gravity from which on a turntable explains it."""
+LEAST_TURNING_RADPS = 0.01
+"""Rate of the whole scooter from which on it shows how the body's sensor is turned."""
 ZERO_SDS = 3.0
 """Standard deviations by which a zero may be off; by chance one in 370 has more."""
-USUAL_RATE_RADPS, USUAL_ANGLE_RAD = 0.03, float(np.deg2rad(5.0))
-"""Usual misfits about the locked axis and of both angles, for weights."""
 LEAST_EXPLAINED = 0.5
 """Part of the lever's shaking that the body's has to explain before it says how both are turned."""
 LARGEST_LEAN_RAD = float(np.deg2rad(20.0))
@@ -83,83 +70,6 @@ FIRST_S = 1.0
 SHAFT_SD_RAD = float(np.deg2rad(2.8))
 """Turn of two IMUs about z, each stuck on by eye to 2 deg."""
 QUARTERS_DEG = (90.0, 180.0, 270.0)
-
-
-class _Readings(NamedTuple):
-    """Both sensors' readings in their own axes, with the offsets at rest taken off."""
-
-    acc: dict[str, FloatArray]
-    gyr: dict[str, FloatArray]
-
-
-class _Pair:
-    """Two sensors, and how well they agree once something is undone."""
-
-    def __init__(
-        self, recording: Recording, geometry: ScooterGeometry, mount: ScooterMount | None
-    ) -> None:
-        self.recording, self.geometry, self.mount = recording, geometry, mount
-        self.rate_hz = recording.sampling_rate_hz
-        self.readings = self.of(recording)
-        self.seen = self.angles(self.readings.acc)
-        self.motion = self.moved(self.readings.gyr, self.seen)
-        self.stated = agreement(self.seen, self.motion) if self.seen.enough else None
-        self.drift: tuple[str, FloatArray] | None = None
-        if self.stated is not None and not offsets_at_rest(recording):
-            self._take_off(_drift(self))
-
-    def _take_off(self, drift: tuple[str, FloatArray]) -> None:
-        """Take an offset off that no rest shows, if the sensors then agree better."""
-        name, offset = drift
-        gyr = {**self.readings.gyr, name: self.readings.gyr[name] - offset}
-        motion = self.moved(gyr, self.seen)
-        after = agreement(self.seen, motion)
-        assert self.stated is not None
-        if after.squared < self.stated.squared or np.abs(offset).max() > LARGE_OFFSET_RADPS:
-            self.drift = drift
-            self.readings, self.motion = self.readings._replace(gyr=gyr), motion
-            self.stated = after
-
-    def of(self, recording: Recording) -> _Readings:
-        """Readings of a recording without the offsets at rest, however large these are."""
-        still = recording
-        for name, offset in offsets_at_rest(recording).items():
-            still = shifted_rates(still, name, offset)
-        names = ("lever", "body")
-        return _Readings(
-            {name: still.sensor(name).acc_mps2 for name in names},
-            {name: still.gyroscope(name) for name in names},
-        )
-
-    def turned(self, vectors: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
-        """Vectors of lever and body in {T} and {B}."""
-        if self.mount is None:
-            return vectors["lever"], vectors["body"]
-        return self.mount.lever(vectors["lever"]), self.mount.body(vectors["body"])
-
-    def angles(self, acc: dict[str, FloatArray]) -> Seen:
-        """Angles by accelerations alone."""
-        return seen_by(*self.turned(acc), self.rate_hz, self.geometry)
-
-    def moved(self, gyr: dict[str, FloatArray], seen: Seen) -> Motion:
-        """Motion by the gyroscopes."""
-        return motion_of(*self.turned(gyr), seen, self.rate_hz, self.geometry)
-
-    def with_rates(self, name: str, factors: FloatArray | float) -> Agreement:
-        """Agreement with one gyroscope multiplied."""
-        gyr = {**self.readings.gyr, name: self.readings.gyr[name] * factors}
-        return agreement(self.seen, self.moved(gyr, self.seen))
-
-    def repaired(self, repair: Repair) -> Agreement | None:
-        """Agreement of the recording once something is undone; None if most angles have gone."""
-        try:
-            readings = self.of(repair(self.recording))
-            seen = self.angles(readings.acc)
-        except InputError:
-            return None
-        if not seen.enough:
-            return None
-        return agreement(seen, self.moved(readings.gyr, seen))
 
 
 class _Suspect(NamedTuple):
@@ -191,14 +101,16 @@ def contradictions(
     """
     whole = np.ones(len(recording), np.bool_)
     try:
-        pair = _Pair(recording, geometry, mount)
+        pair = SensorPair(recording, geometry, mount)
     except InputError:
         return  # gravity is missing or reversed: the estimate says it
     suspects = [*_exchange(pair)]
     if pair.stated is not None:
         lag = lag_between(pair.motion, pair.seen.good, pair.rate_hz)
-        suspects += [*_signs(pair), *_scales(pair), *_late(pair, lag), *_quarters(pair)]
-        suspects += _mirrors(pair)
+        suspects += [*_signs(pair), *_scales(pair), *_late(pair, lag)]
+        if rms(pair.motion.body_locked) > LEAST_TURNING_RADPS:
+            # While the scooter stands, gravity alone would be asked.
+            suspects += [*_quarters(pair), *_mirrors(pair)]
     found = _best(pair, suspects)
     if found is not None:
         yield fault_of(
@@ -223,7 +135,7 @@ def contradictions(
         yield from _turned_since(pair)
 
 
-def _best(pair: _Pair, suspects: list[_Suspect]) -> _Suspect | None:
+def _best(pair: SensorPair, suspects: list[_Suspect]) -> _Suspect | None:
     """Suspect without which the sensors agree best, if they do so clearly better.
 
     A lag need not make them agree better: it has a standard deviation of its own. Axes across the
@@ -244,25 +156,28 @@ def _best(pair: _Pair, suspects: list[_Suspect]) -> _Suspect | None:
     return best
 
 
-def _signs(pair: _Pair) -> Iterator[_Suspect]:
+def _signs(pair: SensorPair) -> Iterator[_Suspect]:
     for name in ("lever", "body"):
         for signs in product((1.0, -1.0), repeat=3):
             bad = [axis for axis, sign in zip("xyz", signs, strict=True) if sign < 0]
             if not bad:
                 continue
-            what = "all axes" if len(bad) == 3 else f"axis {', '.join(bad)}"
+            if len(bad) == 1:
+                what = f"axis {bad[0]} of the gyroscope has"
+            else:
+                what = f"axes {', '.join(bad)} of the gyroscope have"
             other = "body" if name == "lever" else "lever"
             yield _Suspect(
                 "reversed", f"{name}_gyr",
                 f"turns the other way than its accelerometer and the {other}'s sensor show: {what} "
-                "of the gyroscope has the wrong sign; check the export's axes",
+                "the wrong sign; check the export's axes",
                 float("nan"), "",
                 partial(multiplied, sensor=name, half="gyr", factors=np.array(signs)),
                 pair.with_rates(name, np.array(signs)),
             )  # fmt: skip
 
 
-def _scales(pair: _Pair) -> Iterator[_Suspect]:
+def _scales(pair: SensorPair) -> Iterator[_Suspect]:
     for name in ("lever", "body"):
 
         def misfit(log_factor: float, name: str = name) -> float:
@@ -285,7 +200,7 @@ def _scales(pair: _Pair) -> Iterator[_Suspect]:
         )  # fmt: skip
 
 
-def _late(pair: _Pair, lag: Lag) -> Iterator[_Suspect]:
+def _late(pair: SensorPair, lag: Lag) -> Iterator[_Suspect]:
     least = max(SMALLEST_LAG_S, LAG_SDS * lag.sd_s)
     if lag.correlation < SURE_LAG or abs(lag.lag_s) < least:
         return
@@ -300,7 +215,7 @@ def _late(pair: _Pair, lag: Lag) -> Iterator[_Suspect]:
         )  # fmt: skip
 
 
-def _exchange(pair: _Pair) -> Iterator[_Suspect]:
+def _exchange(pair: SensorPair) -> Iterator[_Suspect]:
     repair = partial(exchanged, first="lever", second="body")
     after = pair.repaired(repair)
     if after is not None and (pair.stated is None or after.squared < pair.stated.squared):
@@ -313,7 +228,7 @@ def _exchange(pair: _Pair) -> Iterator[_Suspect]:
         )  # fmt: skip
 
 
-def _quarters(pair: _Pair) -> Iterator[_Suspect]:
+def _quarters(pair: SensorPair) -> Iterator[_Suspect]:
     """Sensors that sit turned about their z axis by a quarter or two."""
     for name in ("lever", "body"):
         for angle in QUARTERS_DEG:
@@ -331,7 +246,7 @@ def _quarters(pair: _Pair) -> Iterator[_Suspect]:
                 )  # fmt: skip
 
 
-def _mirrors(pair: _Pair) -> Iterator[_Suspect]:
+def _mirrors(pair: SensorPair) -> Iterator[_Suspect]:
     """Sensors with left-handed axes: one axis of both halves is reversed."""
     for name in ("lever", "body"):
         for axis in range(3):
@@ -384,51 +299,6 @@ def turned_back(recording: Recording, sensor: str, rotation: FloatArray) -> Reco
     )
 
 
-def shifted_rates(recording: Recording, sensor: str, offset_radps: FloatArray) -> Recording:
-    """Recording in which an offset is taken off a gyroscope.
-
-    Parameters
-    ----------
-    recording : Recording
-    sensor : name
-    offset_radps : (3,) array, rad/s, in the sensor's axes
-
-    Returns
-    -------
-    Recording
-    """
-    return with_half(recording, sensor, "gyr", recording.gyroscope(sensor) - offset_radps)
-
-
-def offsets_at_rest(recording: Recording) -> dict[str, FloatArray]:
-    """What both gyroscopes read at rest, however much that is.
-
-    Parameters
-    ----------
-    recording : Recording of lever and body with gyroscopes
-
-    Returns
-    -------
-    dict from sensor to (3,) array, rad/s; empty without a second of rest, or on something that
-    turns
-    """
-    rate_hz = recording.sampling_rate_hz
-    rest = _standing(recording)
-    rest = long_runs(rest, max(1, round(SHORTEST_REST_S * rate_hz)), grow=False)
-    if not rest.any() or _spins(recording, rest):
-        return {}
-    return {name: np.median(recording.gyroscope(name)[rest], axis=0) for name in ("lever", "body")}
-
-
-def _standing(recording: Recording) -> NDArray[np.bool_]:
-    """Where both sensors rest."""
-    rest = np.ones(len(recording), np.bool_)
-    for name in ("lever", "body"):
-        acc, gyr = recording.sensor(name).acc_mps2, recording.gyroscope(name)
-        rest &= rest_flags(acc, gyr, recording.sampling_rate_hz)
-    return rest
-
-
 def _offset_at_rest(recording: Recording, offsets: dict[str, FloatArray]) -> Iterator[Fault]:
     whole = np.ones(len(recording), np.bool_)
     for name, offset in offsets.items():
@@ -443,36 +313,7 @@ def _offset_at_rest(recording: Recording, offsets: dict[str, FloatArray]) -> Ite
             )  # fmt: skip
 
 
-def _spins(recording: Recording, rest: NDArray[np.bool_]) -> bool:
-    """Whether both sensors turn alike about gravity: then they stand on something that turns."""
-    rates = []
-    for name in ("lever", "body"):
-        up = np.median(recording.sensor(name).acc_mps2[rest], axis=0)
-        gyr = np.median(recording.gyroscope(name)[rest], axis=0)
-        along = float(gyr @ up / np.linalg.norm(up))
-        if abs(along) < LARGEST_SPIN * np.linalg.norm(gyr):
-            return False
-        rates.append(along)
-    return bool(abs(rates[0] - rates[1]) < LARGE_OFFSET_RADPS / 3)
-
-
-def _drift(pair: _Pair) -> tuple[str, FloatArray]:
-    """Sensor and offset that explain best what grows, or stays, with the time.
-
-    Hinges and locked axis show an offset; least squares over its three components find it, for each
-    sensor by itself.
-    """
-    fits = {}
-    for name in ("lever", "body"):
-        before = _residuals(pair, name, np.zeros(3))
-        columns = [_residuals(pair, name, np.eye(3)[k]) - before for k in range(3)]
-        added = np.asarray(np.linalg.lstsq(np.column_stack(columns), -before, rcond=None)[0], float)
-        fits[name] = (rms(_residuals(pair, name, added)), -added)
-    name = min(fits, key=lambda one: fits[one][0])
-    return name, fits[name][1]
-
-
-def _offset_by_drift(pair: _Pair) -> Iterator[Fault]:
+def _offset_by_drift(pair: SensorPair) -> Iterator[Fault]:
     if pair.drift is None:
         return
     name, offset = pair.drift
@@ -489,23 +330,7 @@ def _offset_by_drift(pair: _Pair) -> Iterator[Fault]:
     )  # fmt: skip
 
 
-def _residuals(pair: _Pair, name: str, added_radps: FloatArray) -> FloatArray:
-    """What lever and body disagree by, in usual sizes, if a gyroscope read something more."""
-    gyr = {**pair.readings.gyr, name: pair.readings.gyr[name] + added_radps}
-    motion, seen, good = pair.moved(gyr, pair.seen), pair.seen, pair.seen.good
-    time_s = np.arange(len(good)) / pair.rate_hz
-    means = motion.means_radps
-    parts = [(motion.lever_locked - motion.body_locked + means[2])[good] / USUAL_RATE_RADPS]
-    for by_rates, by_acc, mean in (
-        (motion.steering_rad, seen.steering_rad, means[0]),
-        (motion.throttle_rad, seen.throttle_rad, means[1]),
-    ):
-        apart = (by_rates + mean * time_s - by_acc)[good]
-        parts.append((apart - apart.mean()) / USUAL_ANGLE_RAD)
-    return np.concatenate(parts)
-
-
-def _turned_since(pair: _Pair) -> Iterator[Fault]:
+def _turned_since(pair: SensorPair) -> Iterator[Fault]:
     """Angles that should be zero, or alike, and are off by more than the mount is uncertain."""
     body_acc, (lever_gyr, body_gyr) = (
         pair.turned(pair.readings.acc)[1],
@@ -553,7 +378,7 @@ def _mount_sd(mount: ScooterMount) -> float:
     return float(np.hypot(mount.sd_rad[2], mount.sd_rad[5]))
 
 
-def _tipped(pair: _Pair) -> Iterator[Fault]:
+def _tipped(pair: SensorPair) -> Iterator[Fault]:
     """Body that does not stand upright at the beginning, in a ride that the closed form distrusts.
 
     Recordings begin at rest; nothing that drives stands so steep.
@@ -582,7 +407,7 @@ def _tipped(pair: _Pair) -> Iterator[Fault]:
         return
 
 
-def _untwisted(pair: _Pair, off: FloatArray) -> FloatArray:
+def _untwisted(pair: SensorPair, off: FloatArray) -> FloatArray:
     """Turn of the lever's sensor that takes both zeros to zero, in its own axes."""
     up = [0.0, 0.0, 1.0]
     read = lever_acceleration(up, float(off[0]), float(off[1]), pair.geometry)

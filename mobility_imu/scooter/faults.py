@@ -58,6 +58,10 @@ BY_CHANCE = {"frozen": 1.0, "range": 6}
 """Sizes (s, samples) up to which such a fault is told only if it moves the angles: a sensor in
 steps of 0.01 g repeats for half a second by chance where it rests, and its largest reading for some
 samples."""
+LARGEST_RESTING_MPS2 = 11.0
+"""Readings that gravity explains, with scale and offset of a consumer sensor."""
+LEAST_CUT_MPS2 = 1.0
+"""Lengths of two such sensors differ by less."""
 MOSTLY = 0.5
 """Part of the samples at which an axis cannot be at its largest value by chance."""
 GRADED = (*GROSS, "scale")
@@ -132,8 +136,9 @@ def find_faults(
 def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
     """Ride whose samples are not valid where a fault of a sensor that is used moves them.
 
-    A fault counts if nothing can undo it, or if it moves an angle by more than twice the standard
-    deviation (20 deg where none is stated).
+    A fault counts if nothing can undo it, or if it moves an angle by more than its standard
+    deviation; lags, scales, offsets and turns, of which every recording has a little, by more than
+    twice that (20 deg where none is stated).
 
     Parameters
     ----------
@@ -162,6 +167,8 @@ def _is_used(fault: Fault, settings: RideSettings) -> bool:
 def _matters(fault: Fault, ride: RideAngles) -> bool:
     if fault.repair is None:
         return True
+    if fault.code not in GRADED:
+        return bool(fault.costs)
     stated = {"steering": ride.steering_sd_rad, "throttle": ride.throttle_sd_rad}
     for cost in fault.costs:
         sd = stated[cost.name][np.isfinite(stated[cost.name])]
@@ -186,6 +193,8 @@ def _alone(
             continue  # both sensors together say it better
         if fault.code == "spike":
             spiky.add(fault.sensor)
+        if _at_rest(recording, fault, names):
+            continue
         if fault.code in ("frozen", "range"):
             fault = replace(fault, repair=_bridge(recording, fault, names, geometry, mount))
         yield fault
@@ -219,6 +228,21 @@ def _pinned(recording: Recording, names: Sequence[str]) -> Iterator[Fault]:
                     f"stays at the end of its range, {size[:, k].max():.4g} m/s², most of the "
                     "time; choose a wider range", size=float(size[:, k].max()), unit="m/s²",
                 )  # fmt: skip
+
+
+def _at_rest(recording: Recording, fault: Fault, names: Sequence[str]) -> bool:
+    """Whether an accelerometer at the end of its range just reads gravity, in coarse steps.
+
+    Then its length is that of the other sensor without anything added.
+    """
+    if fault.code != "range" or len(names) < 2 or not fault.sensor.endswith("_acc"):
+        return False
+    if fault.size > LARGEST_RESTING_MPS2:
+        return False
+    name = fault.sensor.removesuffix("_acc")
+    longer = lengthened(recording, name, fault.flags).sensor(name).acc_mps2
+    added = np.abs(longer - recording.sensor(name).acc_mps2)[fault.flags].max(axis=1)
+    return bool(np.median(added) < LEAST_CUT_MPS2)
 
 
 def _small_spikes(gyr: FloatArray) -> NDArray[np.bool_]:
