@@ -92,7 +92,7 @@ def angles(
         smooth=not causal,
     )
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
-    ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s, strict)
+    ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s)
     if "body" not in ride.sensors and not single_imu:
         raise InputError(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone give --single-imu"
@@ -161,10 +161,7 @@ def calibrate(
     files = (file for path in parked for file in recording_files(path))
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
-    recordings = [
-        read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz, strict=strict)
-        for path in parked
-    ]
+    recordings = [read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz) for path in parked]
     for recording in recordings:
         tell_faults(find_faults(recording, scooter), strict)
     found = calibrate_mount(recordings, settings, scooter)
@@ -225,7 +222,7 @@ def check(
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad = read_poses(poses)
-    recording = read_input(parked, "scooter", sampling_rate_hz=sampling_rate_hz, strict=strict)
+    recording = read_input(parked, "scooter", sampling_rate_hz=sampling_rate_hz)
     tell_faults(find_faults(recording, scooter, mount, RideSettings(method=method)), strict)
     found = check_poses(recording, set_rad, scooter, mount, settings)
     written = []

@@ -30,6 +30,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
 from mobility_imu.scooter.agreement import Agreement, Lag, lag_between, twist_between
+from mobility_imu.scooter.fusion import SLOWEST_RATE_HZ
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 from mobility_imu.scooter.machine import zeros_of
 from mobility_imu.scooter.mount import ScooterMount
@@ -43,6 +44,9 @@ from mobility_imu.scooter.sensor_pair import (
 
 __all__ = ["contradictions"]
 
+SHORTEST_S = 5.0
+"""Recordings that are shorter say nothing of two sensors together; the rates of slower ones than
+``SLOWEST_RATE_HZ`` cannot be integrated."""
 CLEARLY_BETTER, MUCH_BETTER = 0.5, 0.65
 """A fault, undone, has to make the sum of squared misfits smaller by the first number (3 is usual)
 and to less than the second part of it. Swept on simulated rides, seeds 36,000 to 41,000."""
@@ -104,6 +108,9 @@ def contradictions(
     Fault; small ones too: whether they matter is not judged here
     """
     whole = np.ones(len(recording), np.bool_)
+    length_s = float(recording.time_s[-1] - recording.time_s[0])
+    if length_s < SHORTEST_S or recording.sampling_rate_hz < SLOWEST_RATE_HZ:
+        return
     try:
         pair = SensorPair(recording, geometry, mount)
     except InputError:

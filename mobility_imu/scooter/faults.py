@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect, settings_or_default
+from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, Repair, all_repaired, interpolated, with_costs
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import FEWEST_VALUES, examine, fault_of
@@ -49,7 +50,9 @@ LAG_FACTOR = 2.0
 ANGLES = ("steering", "throttle")
 SPIKE_RADPS, SPIKE_TIMES = 1.0, 20.0
 """A rate that leaves both neighbours by more, and by so many times the usual change, is no
-movement: a hand needs more than 10 ms to reach, and to leave, 60 deg/s."""
+movement: a hand needs more than 20 ms to reach, and to leave, 60 deg/s."""
+QUICK_HZ = 50.0
+"""Sampling rate from which on single readings are that short."""
 GROSS = {"lag": 0.1, "offset": 20.0, "turned": float("inf")}
 """Sizes (s, deg/s) from which on such faults are told whatever they cost."""
 GROSS_SCALE = 1.3
@@ -126,11 +129,19 @@ def find_faults(
     together: list[Fault] = []
     complete = all(recording.sensor(name).gyr_radps is not None for name in settings.sensors)
     if len(settings.sensors) == 2 and complete and not any(f.code == "copy" for f in alone):
-        whole = {f.sensor for f in alone if f.flags.all()}
-        if not whole:
-            mended = all_repaired(alone, recording)
-            together = list(contradictions(mended, geometry, mount))
+        if not any(fault.flags.all() for fault in alone):
+            together = list(contradictions(_mended(alone, recording), geometry, mount))
     return _priced([*together, *alone], recording, geometry, mount, settings)
+
+
+def _mended(faults: Iterable[Fault], recording: Recording) -> Recording:
+    """Recording in which each fault is undone, as far as the result is a recording."""
+    for fault in faults:
+        try:
+            recording = all_repaired([fault], recording)
+        except InputError:
+            continue
+    return recording
 
 
 def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
@@ -200,7 +211,8 @@ def _alone(
         yield fault
     for name in names:
         gyr = recording.sensor(name).gyr_radps
-        if gyr is None or f"{name}_gyr" in spiky:
+        quick = recording.sampling_rate_hz >= QUICK_HZ
+        if gyr is None or not quick or f"{name}_gyr" in spiky:
             continue
         far = _small_spikes(gyr)
         if far.any():

@@ -278,7 +278,7 @@ def _order(row: list[Any]) -> int:
 
 
 def _cell(value: Any) -> str:
-    return value if isinstance(value, str) else f"{value:.4g}"
+    return value if isinstance(value, str) else f"{value:.3g}"
 
 
 def recorded_table(numbers: Numbers) -> pd.DataFrame:
