@@ -80,14 +80,14 @@ def find_faults(
     """Faults of the sensors of a ride, or of a parked recording, with what they cost.
 
     Beside what :func:`~mobility_imu.health.examine` finds of each sensor alone: the lever's sensor
-    late against the body's; both exchanged; axes of a gyroscope with the wrong sign; scale and
-    offset of a gyroscope; a sensor that is turned otherwise than the mount says; and two sensors
-    that contradict each other. With one sensor, or without gyroscopes, only the former.
+    late against the body's; both exchanged; axes of a gyroscope with the wrong sign, or left-handed
+    axes; scale and offset of a gyroscope; a sensor that is turned otherwise than the mount says;
+    and two sensors that contradict each other. With one sensor, or without gyroscopes, or if the
+    closed form distrusts most samples (a recording that is not of slow drive), only the former.
 
     What cannot be seen: scale and offset of an accelerometer, which on level ground are turns of
-    it; a turn of the body's sensor about the vertical there; a turn of a sensor by less than the
-    mount is uncertain; a scale below some per cent; a sensor that is turned, on a ride without
-    curves.
+    it; a turn of a sensor by less than the mount is uncertain; a scale below some per cent; a turn
+    of a sensor on a ride without curves and on smooth ground.
 
     Parameters
     ----------
