@@ -80,7 +80,7 @@ STUDIES: dict[str, Study] = {
     "faults_scooter": Study(
         "mobility_imu.reproduction.scooter.faults",
         "faults_record",
-        "15,000 and the ride's number, 0 to 24; 16,000 to 21,000 for rides without a fault",
+        "50,000 and the ride's number, 0 to 24; 42,000 to 47,000 for rides without a fault",
         reads_recordings=True,
     ),
     "wheelmove_sample": Study(

@@ -47,7 +47,7 @@ __all__ = ["contradictions"]
 SHORTEST_S = 5.0
 """Recordings that are shorter say nothing of two sensors together; the rates of slower ones than
 ``SLOWEST_RATE_HZ`` cannot be integrated."""
-CLEARLY_BETTER, MUCH_BETTER = 0.5, 0.65
+CLEARLY_BETTER, MUCH_BETTER = 0.5, 0.55
 """A fault, undone, has to make the sum of squared misfits smaller by the first number (3 is usual)
 and to less than the second part of it. Swept on simulated rides, seeds 36,000 to 41,000."""
 AT_ODDS = 12.0
@@ -142,7 +142,7 @@ def contradictions(
             "tried makes them agree; look at how they are mounted and exported. What follows has "
             "no known error", size=float(np.sqrt(pair.stated.squared / 3)), unit="times the usual",
         )  # fmt: skip
-    elif found is None:
+    else:
         yield from _turned_since(pair)
 
 

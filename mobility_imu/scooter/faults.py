@@ -57,10 +57,10 @@ GROSS = {"lag": 0.1, "offset": 20.0, "turned": float("inf")}
 """Sizes (s, deg/s) from which on such faults are told whatever they cost."""
 GROSS_SCALE = 1.3
 """The same of a scale, or of its inverse."""
-BY_CHANCE = {"frozen": 1.0, "range": 6}
-"""Sizes (s, samples) up to which such a fault is told only if it moves the angles: a sensor in
-steps of 0.01 g repeats for half a second by chance where it rests, and its largest reading for some
-samples."""
+BY_CHANCE = {"frozen_gyr": 1.0, "frozen_acc": np.inf, "range_gyr": 6, "range_acc": 6}
+"""Sizes (s, samples) up to which such a fault is told only if it moves the angles. An accelerometer
+in steps of 0.01 g repeats for seconds where it rests, and is not to be told from a stuck one; any
+sensor reads its largest value for some samples."""
 LARGEST_RESTING_MPS2 = 11.0
 """Readings that gravity explains, with scale and offset of a consumer sensor."""
 LEAST_CUT_MPS2 = 1.0
@@ -380,7 +380,8 @@ def _least_sds(fault: Fault) -> float:
     if fault.code in GRADED:
         return UNTRUSTED_SDS if fault.size < USUAL.get(fault.code, 0.0) else LEAST_SDS
     size = fault.samples if fault.code == "range" else fault.size
-    return LEAST_SDS if size < BY_CHANCE.get(fault.code, 0.0) else 0.0
+    kind = f"{fault.code}_{fault.sensor.rpartition('_')[2]}"
+    return LEAST_SDS if size < BY_CHANCE.get(kind, 0.0) else 0.0
 
 
 def _is_gross(fault: Fault) -> bool:
