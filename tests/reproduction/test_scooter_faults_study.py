@@ -50,7 +50,9 @@ def test_the_summary_is_that_of_the_rows(numbers, table):
 
 
 def test_one_row_is_found_again(table):
-    """The first lag of the first ride, computed here."""
+    """The first lag of the first ride, computed here; of an older record, another ride's."""
+    if recorded.is_stale("faults_scooter"):
+        pytest.skip("the record is older than the code")
     first = cases.ride_of(0)
     place = list(cases.KINDS).index("lag")
     kind = cases.KINDS["lag"]
