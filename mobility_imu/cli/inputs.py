@@ -21,14 +21,6 @@ SENSORS = {
 """Names of the sensors that each device's commands use, in the order of a file without names."""
 
 
-TOLD_BY_DEVICE = {
-    "scooter": {("frozen", "acc"), ("range", "acc")},
-    "walker": {("frozen", "acc"), ("frozen", "gyr"), ("range", "acc"), ("range", "gyr")},
-    "wheelchair": {("range", "gyr")},
-}
-"""Faults that the device's own function warns of, with what it does about them."""
-
-
 def read_input(
     path: Path,
     device: str,
@@ -36,7 +28,7 @@ def read_input(
     fill_gaps_s: float = 0.0,
     strict: bool = False,
 ) -> Recording:
-    """Recording for a command of a device; warnings say what is wrong with its sensors.
+    """Recording for a command of a device; its faults are told by :func:`tell_faults`.
 
     Parameters
     ----------
@@ -53,7 +45,8 @@ def read_input(
     Raises
     ------
     InputError
-        What reading refuses, a sensor that stands for two, and with ``strict`` any fault.
+        What reading refuses, a sensor that stands for two, and with ``strict`` any fault that a
+        sensor shows by itself.
     """
     from mobility_imu.health import examine
     from mobility_imu.readers import read_recording
@@ -67,8 +60,6 @@ def read_input(
     for found in examine(recording):
         if strict or found.code == "copy":
             raise InputError(found.sentence)
-        if (found.code, found.sensor.rpartition("_")[2]) not in TOLD_BY_DEVICE[device]:
-            warn([found.sentence])
     return recording
 
 

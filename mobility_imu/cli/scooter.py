@@ -7,14 +7,22 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import read_input
+from mobility_imu.cli.inputs import read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
-    from mobility_imu.scooter import PoseCheck, PoseCheckSettings
+    from mobility_imu.recording import Recording
+    from mobility_imu.scooter import (
+        PoseCheck,
+        PoseCheckSettings,
+        RideAngles,
+        RideSettings,
+        ScooterGeometry,
+        ScooterMount,
+    )
     from mobility_imu.scooter.angles import Form as LibraryForm
 
 Method = Literal["closed-form", "fusion"]
@@ -71,7 +79,7 @@ def angles(
     """
     from mobility_imu.cli.summaries import read_line, ride_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount, estimate_ride
+    from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount
 
     outputs = Outputs({"--output": output}, (*recording_files(recording), geometry))
     _check_options(method, single_imu, acc_noise_mps2)
@@ -84,15 +92,34 @@ def angles(
         smooth=not causal,
     )
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
-    ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s, strict)
+    ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s)
     if "body" not in ride.sensors and not single_imu:
         raise InputError(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone give --single-imu"
         )
-    found = estimate_ride(ride, scooter, mount, settings)
-    warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
+    found = _judged(ride, scooter, mount, settings, strict)
     outputs.write({output: csv_bytes(found.to_frame(), output)})
     summarize([read_line(ride), *ride_lines(found), written_line([output])], quiet)
+
+
+def _judged(
+    recording: Recording,
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None,
+    settings: RideSettings,
+    strict: bool,
+) -> RideAngles:
+    """Angles of a ride whose faults are told, and which are not valid where these move them."""
+    from mobility_imu.scooter import estimate_ride, find_faults, mark_faults
+
+    faults = find_faults(recording, geometry, mount, settings)
+    tell_faults(faults, strict)
+    found = mark_faults(estimate_ride(recording, geometry, mount, settings), faults)
+    # The estimate says of some sensors what was told with its cost.
+    told = [f": {fault.sensor} is " for fault in faults if fault.code in ("frozen", "range")]
+    left = [text for text in found.warnings if not any(sensor in text for sensor in told)]
+    warn(text.replace("median_window = ", "--median-window ") for text in left)
+    return found
 
 
 def _check_options(method: Method, single_imu: bool, noise: float | None) -> None:
@@ -128,16 +155,18 @@ def calibrate(
     """
     from mobility_imu.cli.summaries import scooter_mount_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import ScooterGeometry, calibrate_mount
+    from mobility_imu.scooter import ScooterGeometry, calibrate_mount, find_faults
+    from mobility_imu.scooter.calibration import LARGEST_MISFIT_RAD
 
     files = (file for path in parked for file in recording_files(path))
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
-    recordings = [
-        read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz, strict=strict)
-        for path in parked
-    ]
+    recordings = [read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz) for path in parked]
+    for recording in recordings:
+        tell_faults(find_faults(recording, scooter), strict)
     found = calibrate_mount(recordings, settings, scooter)
+    if strict and found.misfit_rad > LARGEST_MISFIT_RAD:
+        raise InputError(f"{poses}: {found.warnings[0]}")
     warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
     outputs.write({output: found.to_toml().encode()})
     read = f"read: {len(parked)} parked recordings, {len(settings)} poses in each"
@@ -181,13 +210,20 @@ def check(
     """
     from mobility_imu.cli.summaries import pose_check_lines, read_line, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import ScooterGeometry, ScooterMount, check_poses
+    from mobility_imu.scooter import (
+        RideSettings,
+        ScooterGeometry,
+        ScooterMount,
+        check_poses,
+        find_faults,
+    )
 
     outputs = Outputs({"--output": output}, (*recording_files(parked), geometry, poses))
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad = read_poses(poses)
-    recording = read_input(parked, "scooter", sampling_rate_hz=sampling_rate_hz, strict=strict)
+    recording = read_input(parked, "scooter", sampling_rate_hz=sampling_rate_hz)
+    tell_faults(find_faults(recording, scooter, mount, RideSettings(method=method)), strict)
     found = check_poses(recording, set_rad, scooter, mount, settings)
     written = []
     if output is not None:

@@ -77,6 +77,12 @@ STUDIES: dict[str, Study] = {
         "none for the recordings; the simulated rides beside them: scooters 0 to 3",
         reads_recordings=True,
     ),
+    "faults_scooter": Study(
+        "mobility_imu.reproduction.scooter.faults",
+        "faults_record",
+        "50,000 and the ride's number, 0 to 24; 42,000 to 47,000 for rides without a fault",
+        reads_recordings=True,
+    ),
     "wheelmove_sample": Study(
         "mobility_imu.reproduction.wheelchair.sample_study",
         "study",

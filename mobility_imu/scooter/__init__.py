@@ -2,6 +2,7 @@
 
 from mobility_imu.scooter.angles import ScooterAngles, angle_standard_deviations, estimate_angles
 from mobility_imu.scooter.calibration import ScooterCalibration, calibrate_mount
+from mobility_imu.scooter.faults import find_faults, mark_faults
 from mobility_imu.scooter.fusion import FusedAngles, FusionSettings, fuse_angles
 from mobility_imu.scooter.geometry import SUZUKI_ET4D, ScooterGeometry
 from mobility_imu.scooter.mount import ScooterMount
@@ -30,6 +31,8 @@ __all__ = [
     "check_poses",
     "estimate_angles",
     "estimate_ride",
+    "find_faults",
     "fuse_angles",
+    "mark_faults",
     "pose_uncertainty",
 ]

@@ -19,10 +19,13 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_floats, as_number, as_vectors
+from mobility_imu.files import write_text
+from mobility_imu.filters import rms
+from mobility_imu.frames import FloatArray, as_floats, as_number, as_vectors, wrap_angle
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
+from mobility_imu.scooter.angles import three_axis_angles
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 from mobility_imu.scooter.mount import ScooterMount
 
@@ -50,6 +53,9 @@ PRIOR_SD_RAD = float(np.deg2rad(2.0))
 """Standard deviation of a mount about each axis before anything was measured."""
 SMALLEST_SD_RAD = 1e-9
 """Smallest standard deviation of a stop or a mount that may be stated: misfits are over it."""
+LARGEST_MISFIT_RAD = float(np.deg2rad(2.0))
+"""Misfit from which on poses are not what the controls did. Stops that are off by 0.5 deg leave
+0.4 deg; each table whose meaning is wrong (rad for deg, another order, signs) over 5."""
 UNSEEN_FRACTION = 0.8
 """A direction is unseen if its standard deviation is more than this fraction of the prior's."""
 DIRECTIONS = (
@@ -104,6 +110,7 @@ class ScooterCalibration(Result):
     geometry : ScooterGeometry that the calibration was made with
     warnings : sentences for the user
     pose_sd_rad, prior_sd_rad : rad, what it was made with, see :func:`mount_from_poses`
+    misfit_rad : rad, root mean square angle by which the poses miss eq. 5 with this mount
     """
 
     mount: ScooterMount
@@ -113,6 +120,7 @@ class ScooterCalibration(Result):
     warnings: tuple[str, ...] = ()
     pose_sd_rad: float = POSE_SD_RAD
     prior_sd_rad: float = PRIOR_SD_RAD
+    misfit_rad: float = float("nan")
 
     def to_toml(self, path: str | Path | None = None) -> str:
         """Text of a geometry file with geometry, mount and standard deviations.
@@ -125,7 +133,12 @@ class ScooterCalibration(Result):
         -------
         str
         """
-        return self.mount.to_toml(path, geometry=self.geometry, sd_rad=self.sd_rad)
+        text = self.mount.to_toml(geometry=self.geometry, sd_rad=self.sd_rad)
+        if np.isfinite(self.misfit_rad):
+            text += f"# the poses miss this mount by {np.rad2deg(self.misfit_rad):.2f} deg (rms)\n"
+        if path is not None:
+            write_text(path, text)
+        return text
 
 
 def calibrate_mount(
@@ -202,12 +215,7 @@ def mount_from_poses(
     expect("geometry", geometry, ScooterGeometry)
     pose_sd = _as_sd(pose_sd_rad, "pose_sd_rad")
     prior_sd = _as_sd(prior_sd_rad, "prior_sd_rad")
-    different = {(round(p.steering_rad, 3), round(p.throttle_rad, 3)) for p in poses}
-    if len(poses) < 3 or len({p[0] for p in different}) < 2 or len({p[1] for p in different}) < 2:
-        raise InputError(
-            f"{len(poses)} poses with {len(different)} different settings: expected at least three "
-            "poses, with two steering and two throttle angles among them"
-        )
+    _check_settings(poses)
     lever = _directions([p.lever_acc_mps2 for p in poses], "lever_acc_mps2")
     body = _directions([p.body_acc_mps2 for p in poses], "body_acc_mps2")
     steering = np.array([p.steering_rad for p in poses])
@@ -231,24 +239,67 @@ def mount_from_poses(
     found = optimize.least_squares(misfit, np.zeros(6), method="lm")
     if not found.success:
         raise InputError(f"the poses fit no mount: the least squares did not end ({found.message})")
-    axes = np.where(np.eye(3, dtype=bool), ACC_SCALE_SD, ACC_MISALIGNMENT_SD_RAD).ravel()
-    of_sensor = np.r_[np.full(3, ACC_BIAS_SD), axes]
-    fault_sd = np.r_[np.full(stops.number, pose_sd), of_sensor, of_sensor]
+    spread = _fault_deviations(stops.number, pose_sd)
     step = 1e-5 * np.eye(len(none))
     by_fault = [(apart(found.x, d) - apart(found.x, -d)) / 2e-5 for d in step]
-    sd = _standard_deviations(found.jac, np.transpose(by_fault) * fault_sd / pose_sd)
+    sd = _standard_deviations(found.jac, np.transpose(by_fault) * spread / pose_sd)
     unseen = tuple(
         name
         for name, spread in zip(DIRECTIONS, sd, strict=True)
         if spread > UNSEEN_FRACTION * prior_sd
     )
-    warnings = tuple(
+    lever_turn, body_turn = Rotation.from_rotvec(found.x.reshape(2, 3)).as_matrix()
+    mount = ScooterMount(lever_turn, body_turn, sd)
+    apart_rad = rms(np.linalg.norm(apart(found.x, none).reshape(-1, 3), axis=1))
+    warnings = [
         f"the poses tell little of the turn of the {name}: park at another slope as well"
         for name in unseen
-    )
-    lever, body = (Rotation.from_rotvec(part).as_matrix() for part in (found.x[:3], found.x[3:]))
+    ]
+    if apart_rad > LARGEST_MISFIT_RAD:
+        set_rad = np.column_stack([steering, throttle])
+        off = _angles_apart(mount, lever, body, set_rad, geometry)
+        warnings.insert(0, _says_misfit(apart_rad, off))
     return ScooterCalibration(
-        ScooterMount(lever, body, sd), sd, unseen, geometry, warnings, pose_sd, prior_sd
+        mount, sd, unseen, geometry, tuple(warnings), pose_sd, prior_sd, apart_rad
+    )
+
+
+def _check_settings(poses: Sequence[ParkedPose]) -> None:
+    """Check that there are enough different poses."""
+    different = {(round(p.steering_rad, 3), round(p.throttle_rad, 3)) for p in poses}
+    if len(poses) < 3 or len({p[0] for p in different}) < 2 or len({p[1] for p in different}) < 2:
+        raise InputError(
+            f"{len(poses)} poses with {len(different)} different settings: expected at least three "
+            "poses, with two steering and two throttle angles among them"
+        )
+
+
+def _fault_deviations(stops: int, pose_sd_rad: float) -> FloatArray:
+    """Standard deviations of the stops' angles, then of bias and axes of each sensor."""
+    axes = np.where(np.eye(3, dtype=bool), ACC_SCALE_SD, ACC_MISALIGNMENT_SD_RAD).ravel()
+    of_sensor = np.r_[np.full(3, ACC_BIAS_SD), axes]
+    return np.asarray(np.r_[np.full(stops, pose_sd_rad), of_sensor, of_sensor])
+
+
+def _angles_apart(
+    mount: ScooterMount,
+    lever: FloatArray,
+    body: FloatArray,
+    set_rad: FloatArray,
+    geometry: ScooterGeometry,
+) -> FloatArray:
+    """Largest difference of steering and throttle from what was set, with this mount, (2,), rad."""
+    found = np.column_stack(three_axis_angles(mount.lever(lever), mount.body(body), geometry))
+    return np.asarray(np.abs(wrap_angle(found - set_rad)).max(axis=0))
+
+
+def _says_misfit(misfit_rad: float, off_rad: FloatArray) -> str:
+    misfit, steering, throttle = np.rad2deg([misfit_rad, *off_rad])
+    return (
+        f"the poses fit no mount: they miss the best one by {misfit:.1f} deg, which leaves the "
+        f"steering up to {steering:.1f} deg and the throttle up to {throttle:.1f} deg off what was "
+        "set; are they in degrees, in the order of time, left and pushed positive? Accelerometers "
+        "with offsets of 20 mg leave 2 deg, too"
     )
 
 

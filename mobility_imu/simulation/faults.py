@@ -17,8 +17,10 @@ __all__ = [
     "clip",
     "exchange",
     "freeze",
+    "jump",
     "late",
-    "mirror",
+    "late_half",
+    "left_handed",
     "offset",
     "reverse",
     "scale",
@@ -186,6 +188,30 @@ def late(recording: Recording, sensor: str, lag_s: float) -> Recording:
     return _replaced(recording, {sensor: new})
 
 
+def late_half(recording: Recording, sensor: str, half: str, lag_s: float) -> Recording:
+    """Recording in which one half of a sensor comes late, or early, against the other.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    half : "acc" or "gyr"
+    lag_s : s, rounded to whole samples; negative for a half that comes early
+
+    Returns
+    -------
+    Recording of the time that both halves have readings for
+    """
+    late, other = _half(recording, sensor, half), "acc" if half == "gyr" else "gyr"
+    steps = round(as_number(lag_s, "lag_s", negative=True) * recording.sampling_rate_hz)
+    count = len(recording) - abs(steps)
+    begin = max(steps, 0)
+    values = {half: late[begin - steps :][:count], other: _half(recording, sensor, other)[begin:]}
+    imu = Imu(values["acc"][:count], values["gyr"][:count])
+    time_s = recording.time_s[begin:][:count]
+    return Recording(time_s, {sensor: imu}, source=recording.source)
+
+
 def exchange(recording: Recording, first: str, second: str) -> Recording:
     """Recording in which two sensors have each other's names.
 
@@ -199,6 +225,24 @@ def exchange(recording: Recording, first: str, second: str) -> Recording:
     Recording
     """
     return _replaced(recording, {first: recording.sensor(second), second: recording.sensor(first)})
+
+
+def left_handed(recording: Recording, sensor: str, axis: int) -> Recording:
+    """Recording of a sensor with left-handed axes: one axis has the wrong sign in both halves.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    axis : 0, 1 or 2
+
+    Returns
+    -------
+    Recording
+    """
+    imu, signs = recording.sensor(sensor), np.where(np.arange(3) == axis, -1.0, 1.0)
+    gyr = None if imu.gyr_radps is None else imu.gyr_radps * signs
+    return _replaced(recording, {sensor: Imu(imu.acc_mps2 * signs, gyr)})
 
 
 def turn(recording: Recording, sensor: str, rotation: ArrayLike) -> Recording:
@@ -252,21 +296,27 @@ def tip(
     return _replaced(recording, {sensor: Imu(back.apply(imu.acc_mps2.copy()), gyr)})
 
 
-def mirror(recording: Recording, sensor: str, half: str, signs: ArrayLike) -> Recording:
-    """Recording in which axes of one half of a sensor have the wrong sign.
+def jump(recording: Recording, start_s: float, length_s: float) -> Recording:
+    """Recording whose clock leaps once.
 
     Parameters
     ----------
     recording : Recording
-    sensor : name
-    half : "acc" or "gyr"
-    signs : (3,) array of 1 and -1
+    start_s : s after the recording's start
+    length_s : s; negative for a leap back
 
     Returns
     -------
     Recording
+
+    Raises
+    ------
+    InputError
+        If the leap leaves a gap, or times that run backwards: then nothing reads it.
     """
-    return scale(recording, sensor, half, signs)
+    time_s = recording.time_s.copy()
+    time_s[time_s - time_s[0] >= start_s] += as_number(length_s, "length_s", negative=True)
+    return Recording(time_s, recording.sensors, source=recording.source)
 
 
 def _half(recording: Recording, sensor: str, half: str) -> FloatArray:

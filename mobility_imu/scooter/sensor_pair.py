@@ -1,0 +1,203 @@
+"""Lever and body of a scooter as a pair: their readings, and how well they agree."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mobility_imu.errors import InputError
+from mobility_imu.faults import Repair, with_half
+from mobility_imu.filters import rms
+from mobility_imu.frames import FloatArray
+from mobility_imu.offsets import rest_flags
+from mobility_imu.recording import Recording
+from mobility_imu.runs import long_runs
+from mobility_imu.scooter.agreement import (
+    Agreement,
+    Motion,
+    Seen,
+    agreement,
+    motion_of,
+    seen_by,
+)
+from mobility_imu.scooter.geometry import ScooterGeometry
+from mobility_imu.scooter.mount import ScooterMount
+
+__all__ = ["LARGE_OFFSET_RADPS", "SensorPair", "offsets_at_rest", "shifted_rates"]
+
+LARGE_OFFSET_RADPS = float(np.deg2rad(4.5))
+"""Data sheets of consumer sensors state up to 3 deg/s at rest, and half as much for warmth."""
+SHORTEST_REST_S = 1.0
+LARGEST_SPIN = 0.9
+"""Part of a rate at rest that lies along gravity from which on a turntable explains it."""
+USUAL_RATE_RADPS, USUAL_ANGLE_RAD = 0.03, float(np.deg2rad(5.0))
+"""Usual misfits about the locked axis and of both angles, for weights."""
+
+
+class _Readings(NamedTuple):
+    """Both sensors' readings in their own axes, with the offsets at rest taken off."""
+
+    acc: dict[str, FloatArray]
+    gyr: dict[str, FloatArray]
+
+
+class SensorPair:
+    """Two sensors, and how well they agree once something is undone."""
+
+    def __init__(
+        self, recording: Recording, geometry: ScooterGeometry, mount: ScooterMount | None
+    ) -> None:
+        self.recording, self.geometry, self.mount = recording, geometry, mount
+        self.rate_hz = recording.sampling_rate_hz
+        self.readings = self.of(recording)
+        self.seen = self.angles(self.readings.acc)
+        self.motion = self.moved(self.readings.gyr, self.seen)
+        self.stated = agreement(self.seen, self.motion) if self.seen.enough else None
+        self.drift: tuple[str, FloatArray] | None = None
+        if self.stated is not None and not offsets_at_rest(recording):
+            self._take_off(_drift(self))
+
+    def _take_off(self, drift: tuple[str, FloatArray]) -> None:
+        """Take an offset off that no rest shows, if the sensors then agree better."""
+        name, offset = drift
+        gyr = {**self.readings.gyr, name: self.readings.gyr[name] - offset}
+        motion = self.moved(gyr, self.seen)
+        after = agreement(self.seen, motion)
+        assert self.stated is not None
+        if after.squared < self.stated.squared or np.abs(offset).max() > LARGE_OFFSET_RADPS:
+            self.drift = drift
+            self.readings, self.motion = self.readings._replace(gyr=gyr), motion
+            self.stated = after
+
+    def of(self, recording: Recording) -> _Readings:
+        """Readings of a recording without the offsets at rest, however large these are."""
+        still = recording
+        for name, offset in offsets_at_rest(recording).items():
+            still = shifted_rates(still, name, offset)
+        names = ("lever", "body")
+        return _Readings(
+            {name: still.sensor(name).acc_mps2 for name in names},
+            {name: still.gyroscope(name) for name in names},
+        )
+
+    def turned(self, vectors: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Vectors of lever and body in {T} and {B}."""
+        if self.mount is None:
+            return vectors["lever"], vectors["body"]
+        return self.mount.lever(vectors["lever"]), self.mount.body(vectors["body"])
+
+    def angles(self, acc: dict[str, FloatArray]) -> Seen:
+        """Angles by accelerations alone."""
+        return seen_by(*self.turned(acc), self.rate_hz, self.geometry)
+
+    def moved(self, gyr: dict[str, FloatArray], seen: Seen) -> Motion:
+        """Motion by the gyroscopes."""
+        return motion_of(*self.turned(gyr), seen, self.rate_hz, self.geometry)
+
+    def with_rates(self, name: str, factors: FloatArray | float) -> Agreement:
+        """Agreement with one gyroscope multiplied."""
+        gyr = {**self.readings.gyr, name: self.readings.gyr[name] * factors}
+        return agreement(self.seen, self.moved(gyr, self.seen))
+
+    def repaired(self, repair: Repair) -> Agreement | None:
+        """Agreement of the recording once something is undone; None if most angles have gone."""
+        try:
+            readings = self.of(repair(self.recording))
+            seen = self.angles(readings.acc)
+        except InputError:
+            return None
+        if not seen.enough:
+            return None
+        return agreement(seen, self.moved(readings.gyr, seen))
+
+
+def shifted_rates(recording: Recording, sensor: str, offset_radps: FloatArray) -> Recording:
+    """Recording in which an offset is taken off a gyroscope.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    offset_radps : (3,) array, rad/s, in the sensor's axes
+
+    Returns
+    -------
+    Recording
+    """
+    return with_half(recording, sensor, "gyr", recording.gyroscope(sensor) - offset_radps)
+
+
+def offsets_at_rest(recording: Recording) -> dict[str, FloatArray]:
+    """What both gyroscopes read at rest, however much that is.
+
+    Parameters
+    ----------
+    recording : Recording of lever and body with gyroscopes
+
+    Returns
+    -------
+    dict from sensor to (3,) array, rad/s; empty without a second of rest, or on something that
+    turns
+    """
+    rate_hz = recording.sampling_rate_hz
+    rest = _standing(recording)
+    rest = long_runs(rest, max(1, round(SHORTEST_REST_S * rate_hz)), grow=False)
+    if not rest.any() or _spins(recording, rest):
+        return {}
+    return {name: np.median(recording.gyroscope(name)[rest], axis=0) for name in ("lever", "body")}
+
+
+def _standing(recording: Recording) -> NDArray[np.bool_]:
+    """Where both sensors rest."""
+    rest = np.ones(len(recording), np.bool_)
+    for name in ("lever", "body"):
+        acc, gyr = recording.sensor(name).acc_mps2, recording.gyroscope(name)
+        rest &= rest_flags(acc, gyr, recording.sampling_rate_hz)
+    return rest
+
+
+def _spins(recording: Recording, rest: NDArray[np.bool_]) -> bool:
+    """Whether both sensors turn alike about gravity: then they stand on something that turns."""
+    rates = []
+    for name in ("lever", "body"):
+        up = np.median(recording.sensor(name).acc_mps2[rest], axis=0)
+        gyr = np.median(recording.gyroscope(name)[rest], axis=0)
+        along = float(gyr @ up / np.linalg.norm(up))
+        if abs(along) < LARGEST_SPIN * np.linalg.norm(gyr):
+            return False
+        rates.append(along)
+    return bool(abs(rates[0] - rates[1]) < LARGE_OFFSET_RADPS / 3)
+
+
+def _drift(pair: SensorPair) -> tuple[str, FloatArray]:
+    """Sensor and offset that explain best what grows, or stays, with the time.
+
+    Hinges and locked axis show an offset; least squares over its three components find it, for each
+    sensor by itself.
+    """
+    fits = {}
+    for name in ("lever", "body"):
+        before = _residuals(pair, name, np.zeros(3))
+        columns = [_residuals(pair, name, np.eye(3)[k]) - before for k in range(3)]
+        added = np.asarray(np.linalg.lstsq(np.column_stack(columns), -before, rcond=None)[0], float)
+        fits[name] = (rms(_residuals(pair, name, added)), -added)
+    name = min(fits, key=lambda one: fits[one][0])
+    return name, fits[name][1]
+
+
+def _residuals(pair: SensorPair, name: str, added_radps: FloatArray) -> FloatArray:
+    """What lever and body disagree by, in usual sizes, if a gyroscope read something more."""
+    gyr = {**pair.readings.gyr, name: pair.readings.gyr[name] + added_radps}
+    motion, seen, good = pair.moved(gyr, pair.seen), pair.seen, pair.seen.good
+    time_s = np.arange(len(good)) / pair.rate_hz
+    means = motion.means_radps
+    parts = [(motion.lever_locked - motion.body_locked + means[2])[good] / USUAL_RATE_RADPS]
+    for by_rates, by_acc, mean in (
+        (motion.steering_rad, seen.steering_rad, means[0]),
+        (motion.throttle_rad, seen.throttle_rad, means[1]),
+    ):
+        apart = (by_rates + mean * time_s - by_acc)[good]
+        parts.append((apart - apart.mean()) / USUAL_ANGLE_RAD)
+    return np.concatenate(parts)

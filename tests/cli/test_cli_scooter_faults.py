@@ -1,0 +1,83 @@
+"""Faults of a scooter's sensors on the command line: told with their cost, refused if strict."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from command_lines import angles
+
+FUSION = ("--method", "fusion")
+
+
+@pytest.fixture
+def simulated(works):
+    works("simulate", "scooter", "--seed", 3, "-o", ".")
+
+
+def spoil(folder, how, name="bad.csv"):
+    ride = pd.read_csv(folder / "ride.csv.gz")
+    how(ride)
+    ride.to_csv(folder / name, index=False)
+    return name
+
+
+def reversed_lever(ride):
+    ride[[name for name in ride if name.startswith("lever_gyr")]] *= -1
+
+
+def late_lever(ride):
+    names = [name for name in ride if name.startswith("lever_")]
+    ride[names] = ride[names].shift(20).bfill()
+
+
+@pytest.mark.usefixtures("simulated")
+@pytest.mark.parametrize(
+    ("how", "says"), [(reversed_lever, "the wrong sign"), (late_lever, "later than the body's")]
+)
+def test_a_fault_is_told_once_with_its_cost(tmp_path, works, fails, how, says):
+    bad = spoil(tmp_path, how)
+    line = [*angles(bad, "geometry.toml"), *FUSION]
+    said = works(*line).stderr
+    told = [text for text in said.splitlines() if says in text]
+    assert len(told) == 1 and "it moves the steering by up to" in told[0]
+    valid = pd.read_csv(tmp_path / "a.csv")["valid"]
+    assert valid.mean() < 0.9
+    (tmp_path / "a.csv").unlink()
+    fails(*line, "--strict", says=["bad.csv: lever"])
+
+
+@pytest.mark.usefixtures("simulated")
+def test_a_sound_ride_passes_strict(works):
+    assert "warning" not in works(*angles("ride.csv.gz", "geometry.toml"), "--strict").stderr
+    parked = ["parked_level.csv.gz", "parked_ramp.csv.gz"]
+    options = ["--geometry", "geometry.toml", "--poses", "poses.csv"]
+    works("scooter", "calibrate", *parked, *options, "-o", "mount.toml", "--strict")
+
+
+@pytest.mark.usefixtures("simulated")
+def test_the_closed_form_says_that_it_does_not_use_gyroscopes(tmp_path, works):
+    bad = spoil(tmp_path, reversed_lever)
+    assert "the closed form does not use it" in works(*angles(bad, "geometry.toml")).stderr
+    assert (pd.read_csv(tmp_path / "a.csv")["valid"] == 1).mean() > 0.9
+
+
+@pytest.mark.usefixtures("simulated")
+def test_poses_in_radians_are_told_and_refused_if_strict(tmp_path, works, fails):
+    poses = pd.read_csv(tmp_path / "poses.csv")
+    np.deg2rad(poses).to_csv(tmp_path / "rad.csv", index=False)
+    line = ["scooter", "calibrate", "parked_level.csv.gz", "parked_ramp.csv.gz"]
+    line += ["--geometry", "geometry.toml", "--poses", "rad.csv", "-o", "m.toml"]
+    assert "the poses fit no mount" in works(*line).stderr
+    assert "the poses miss this mount by" in (tmp_path / "m.toml").read_text()
+    (tmp_path / "m.toml").unlink()
+    fails(*line, "--strict", says=["rad.csv", "the poses fit no mount"])
+
+
+@pytest.mark.usefixtures("simulated")
+def test_check_and_calibrate_tell_faults_of_parked_recordings(tmp_path, works):
+    parked = pd.read_csv(tmp_path / "parked_level.csv.gz")
+    parked["lever_gyr_x_radps"] *= -1
+    parked.to_csv(tmp_path / "bad.csv", index=False)
+    options = ["--geometry", "geometry.toml", "--poses", "poses.csv"]
+    line = ["scooter", "calibrate", "bad.csv", "parked_ramp.csv.gz", *options, "-o", "m.toml"]
+    assert "bad.csv: lever_gyr turns the other way" in works(*line).stderr
+    assert "bad.csv: lever_gyr turns" in works("scooter", "check", "bad.csv", *options).stderr
