@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import read_input
+from mobility_imu.cli.inputs import read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Smooth, Strict, sub_app
 from mobility_imu.errors import InputError
@@ -50,20 +50,22 @@ def calibrate(
     """
     from mobility_imu.cli.summaries import read_line, walker_mount_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.walker import WalkerGeometry, calibrate_mount
+    from mobility_imu.walker import WalkerGeometry, calibrate_mount, find_tilt_faults
+    from mobility_imu.walker.faults import not_told
 
     outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
     frame = WalkerGeometry.from_toml(geometry)
     recording = read_input(tilts, "walker", sampling_rate_hz, fill_gaps_s, strict)
-    found = calibrate_mount(
-        recording,
-        frame,
-        method=method,
-        form=form,
-        order=[name.strip() for name in order.split(",")],  # type: ignore[misc]
-        smooth=smooth,
+    made: list[TiltDirection] = [name.strip() for name in order.split(",")]  # type: ignore[misc]
+    calibrate = partial(
+        calibrate_mount, geometry=frame, method=method, form=form, order=made, smooth=smooth
     )
-    warn(found.warnings)
+    faults = find_tilt_faults(
+        recording, frame, method=method, form=form, order=made, smooth=smooth
+    )
+    tell_faults(faults, strict)
+    found = calibrate(recording)
+    warn(not_told(found.warnings, faults))
     outputs.write({output: found.to_toml().encode()})
     summarize([read_line(recording), *walker_mount_lines(found), written_line([output])], quiet)
 
@@ -105,26 +107,34 @@ def trajectory(
     from mobility_imu.cli.summaries import read_line, trajectory_lines, written_line
     from mobility_imu.readers import recording_files
     from mobility_imu.readers.rests import read_rests
-    from mobility_imu.walker import ClosedLoop, WalkerMount, estimate_trajectory
+    from mobility_imu.walker import (
+        ClosedLoop,
+        WalkerMount,
+        estimate_trajectory,
+        find_faults,
+        valid_samples,
+    )
+    from mobility_imu.walker.faults import not_told
 
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
     recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s, strict)
     known = None if rests is None else read_rests(rests, recording.time_s)
+    frame, options = _footprint(geometry), {
+        "smooth": smooth,
+        "closed_loop": ClosedLoop() if closed_loop else None,
+        "rests": known,
+    }
+    faults = find_faults(recording, frame, mount, **options)
+    tell_faults(faults, strict)
     try:
-        found = estimate_trajectory(
-            recording,
-            _footprint(geometry),
-            mount,
-            smooth=smooth,
-            closed_loop=ClosedLoop() if closed_loop else None,
-            rests=known,
-        )
+        found = estimate_trajectory(recording, frame, mount, **options)
     except InputError as error:
         raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
-    warn(found.warnings)
-    contents = {output: csv_bytes(found.to_frame(), output)}
+    warn(not_told(found.warnings, faults))
+    table = found.to_frame().assign(valid=valid_samples(found, faults).astype(int))
+    contents = {output: csv_bytes(table, output)}
     placed = _steps(found, walk, needed=steps is not None)
     if steps is not None and placed is not None:
         contents[steps] = csv_bytes(placed.to_frame(), steps)
