@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ from mobility_imu.cli.messages import warn
 from mobility_imu.errors import InputError
 
 if TYPE_CHECKING:
+    from mobility_imu.faults import Fault
     from mobility_imu.recording import Recording
 
 SENSORS = {
@@ -68,3 +70,21 @@ def read_input(
         if (found.code, found.sensor.rpartition("_")[2]) not in TOLD_BY_DEVICE[device]:
             warn([found.sentence])
     return recording
+
+
+def tell_faults(faults: Sequence[Fault], strict: bool) -> None:
+    """Warn of each fault with what it costs, or refuse the recording.
+
+    Parameters
+    ----------
+    faults : as a device's ``find_faults`` found them
+    strict : of ``--strict``
+
+    Raises
+    ------
+    InputError
+        With ``strict``, the first fault's sentence.
+    """
+    if strict and faults:
+        raise InputError(faults[0].sentence)
+    warn(fault.told for fault in faults)
