@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -17,7 +17,10 @@ Method = Literal["four-tilts", "two-tilts", "all-samples"]
 Form = Literal["corrected", "printed"]
 
 if TYPE_CHECKING:
-    from mobility_imu.walker import Steps, Trajectory, WalkerGeometry
+    from pandas import DataFrame
+
+    from mobility_imu.recording import Recording
+    from mobility_imu.walker import Steps, Trajectory, WalkerGeometry, WalkerMount
 
 app = sub_app("Walking frame: mount of the IMU, and path.")
 
@@ -56,15 +59,15 @@ def calibrate(
     outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
     frame = WalkerGeometry.from_toml(geometry)
     recording = read_input(tilts, "walker", sampling_rate_hz, fill_gaps_s, strict)
-    made: list[TiltDirection] = [name.strip() for name in order.split(",")]  # type: ignore[misc]
-    calibrate = partial(
-        calibrate_mount, geometry=frame, method=method, form=form, order=made, smooth=smooth
-    )
-    faults = find_tilt_faults(
-        recording, frame, method=method, form=form, order=made, smooth=smooth
-    )
+    options: dict[str, Any] = {
+        "method": method,
+        "form": form,
+        "order": [name.strip() for name in order.split(",")],
+        "smooth": smooth,
+    }
+    faults = find_tilt_faults(recording, frame, **options)
     tell_faults(faults, strict)
-    found = calibrate(recording)
+    found = calibrate_mount(recording, frame, **options)
     warn(not_told(found.warnings, faults))
     outputs.write({output: found.to_toml().encode()})
     summarize([read_line(recording), *walker_mount_lines(found), written_line([output])], quiet)
@@ -107,33 +110,15 @@ def trajectory(
     from mobility_imu.cli.summaries import read_line, trajectory_lines, written_line
     from mobility_imu.readers import recording_files
     from mobility_imu.readers.rests import read_rests
-    from mobility_imu.walker import (
-        ClosedLoop,
-        WalkerMount,
-        estimate_trajectory,
-        find_faults,
-        valid_samples,
-    )
-    from mobility_imu.walker.faults import not_told
+    from mobility_imu.walker import WalkerMount
 
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
     recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s, strict)
     known = None if rests is None else read_rests(rests, recording.time_s)
-    frame, options = _footprint(geometry), {
-        "smooth": smooth,
-        "closed_loop": ClosedLoop() if closed_loop else None,
-        "rests": known,
-    }
-    faults = find_faults(recording, frame, mount, **options)
-    tell_faults(faults, strict)
-    try:
-        found = estimate_trajectory(recording, frame, mount, **options)
-    except InputError as error:
-        raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
-    warn(not_told(found.warnings, faults))
-    table = found.to_frame().assign(valid=valid_samples(found, faults).astype(int))
+    options = {"smooth": smooth, "closed_loop": closed_loop, "rests": known}
+    found, table = _followed(walk, recording, _footprint(geometry), mount, options, strict)
     contents = {output: csv_bytes(table, output)}
     placed = _steps(found, walk, needed=steps is not None)
     if steps is not None and placed is not None:
@@ -141,6 +126,29 @@ def trajectory(
     outputs.write(contents)
     lines = [read_line(recording), *trajectory_lines(found, placed), written_line(contents)]
     summarize(lines, quiet)
+
+
+def _followed(
+    walk: Path,
+    recording: Recording,
+    frame: WalkerGeometry | None,
+    mount: WalkerMount,
+    options: dict[str, Any],
+    strict: bool,
+) -> tuple[Trajectory, DataFrame]:
+    """Path and its table, whose last column says where no fault touches it; faults are told."""
+    from mobility_imu.walker import ClosedLoop, estimate_trajectory, find_faults, valid_samples
+    from mobility_imu.walker.faults import not_told
+
+    options = {**options, "closed_loop": ClosedLoop() if options["closed_loop"] else None}
+    faults = find_faults(recording, frame, mount, **options)
+    tell_faults(faults, strict)
+    try:
+        found = estimate_trajectory(recording, frame, mount, **options)
+    except InputError as error:
+        raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
+    warn(not_told(found.warnings, faults))
+    return found, found.to_frame().assign(valid=valid_samples(found, faults).astype(int))
 
 
 def _steps(found: Trajectory, walk: Path, *, needed: bool) -> Steps | None:

@@ -17,6 +17,8 @@ __all__ = [
     "exchange",
     "freeze",
     "late",
+    "late_half",
+    "mirror",
     "offset",
     "reverse",
     "scale",
@@ -215,6 +217,45 @@ def turn(recording: Recording, sensor: str, rotation: ArrayLike) -> Recording:
     imu = recording.sensor(sensor)
     gyr = None if imu.gyr_radps is None else imu.gyr_radps @ rotation.T
     return _replaced(recording, {sensor: Imu(imu.acc_mps2 @ rotation.T, gyr)})
+
+
+def late_half(recording: Recording, sensor: str, half: str, lag_s: float) -> Recording:
+    """Recording in which one half of a sensor comes late, or early, against the other.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    half : "acc" or "gyr"
+    lag_s : s, rounded to whole samples; negative for a half that comes early. Beyond the
+        recording's ends it repeats its first or last reading
+
+    Returns
+    -------
+    Recording
+    """
+    values = _half(recording, sensor, half)
+    steps = round(as_number(lag_s, "lag_s", negative=True) * recording.sampling_rate_hz)
+    index = np.clip(np.arange(len(values)) - steps, 0, len(values) - 1)
+    return _with(recording, sensor, half, values[index])
+
+
+def mirror(recording: Recording, sensor: str, axis: int) -> Recording:
+    """Recording of a sensor with left-handed axes: one axis has the wrong sign in both halves.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    axis : 0, 1 or 2
+
+    Returns
+    -------
+    Recording
+    """
+    imu, signs = recording.sensor(sensor), np.where(np.arange(3) == axis, -1.0, 1.0)
+    gyr = None if imu.gyr_radps is None else imu.gyr_radps * signs
+    return _replaced(recording, {sensor: Imu(imu.acc_mps2 * signs, gyr)})
 
 
 def _half(recording: Recording, sensor: str, half: str) -> FloatArray:

@@ -29,7 +29,14 @@ from mobility_imu.walker.steps import find_steps
 from mobility_imu.walker.stillness import StillnessSettings, stillness_signals
 from mobility_imu.walker.trajectory import Trajectory
 
-__all__ = ["LEAST_LAG_S", "LEAST_SCALE", "faults_of_path", "faults_of_readings", "with_reach"]
+__all__ = [
+    "LEAST_LAG_S",
+    "LEAST_SCALE",
+    "faults_of_path",
+    "faults_of_readings",
+    "faults_of_tilts",
+    "with_reach",
+]
 
 FRAME = "frame"
 BRIDGED_S = 0.3
@@ -73,6 +80,7 @@ ASIDE_DEG, FEWEST_STEPS, LEAST_STEP_M, LEAST_WAY_M = 5.0, 5, 0.1, 2.0
 LONG_MOVE_WORDS, START_WORDS = "no rest for more than", "the frame moves at the start"
 LEAN_WORDS, ODDS_WORDS = "the frame leans by", "as far from what the filter expects"
 FAR_WORDS = "far off a frame"
+POSES_WORDS = ("the footprint's", "the tilts went")
 
 
 def faults_of_readings(
@@ -135,6 +143,33 @@ def faults_of_path(recording: Recording, found: Trajectory, mount: WalkerMount) 
         told += _foot(recording, found)
     if not {fault.code for fault in told} & {"foot", "no rest"}:
         told += _aside(recording, found, mount)
+    return told
+
+
+def faults_of_tilts(recording: Recording, warnings: Sequence[str], count: int) -> list[Fault]:
+    """Faults of a recording of tilts that its calibration warns of.
+
+    Parameters
+    ----------
+    recording : Recording
+    warnings : of the calibration
+    count : samples of its path, the last ones of the recording
+
+    Returns
+    -------
+    list of Fault: a start that moves, rests at odds with the filter, tilts that do not fit
+    """
+    whole = np.ones(len(recording), np.bool_)
+    told = []
+    for text in warnings:
+        said = text if text.startswith(f"{recording.source}: ") else f"{recording.source}: {text}"
+        if START_WORDS in text:
+            flags = np.arange(len(recording)) < len(recording) - count
+            told.append(_stated("start", flags, said, recording))
+        elif ODDS_WORDS in text:
+            told.append(_stated("at odds", whole, said, recording))
+        elif any(words in text for words in POSES_WORDS):
+            told.append(_stated("poses", whole, said, recording))
     return told
 
 

@@ -24,22 +24,24 @@ from mobility_imu.faults import Fault, with_costs
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine
 from mobility_imu.recording import Recording
-from mobility_imu.walker.calibration import Method, WalkerCalibration, calibrate_mount
+from mobility_imu.walker.calibration import Method, WalkerCalibration, calibrate_from_path
 from mobility_imu.walker.fault_checks import (
     FAR_WORDS,
     FRAME,
     LEAN_WORDS,
     LONG_MOVE_WORDS,
     ODDS_WORDS,
+    POSES_WORDS,
     START_WORDS,
     faults_of_path,
     faults_of_readings,
+    faults_of_tilts,
     with_reach,
 )
 from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
-from mobility_imu.walker.navigation import ClosedLoop, NavigationSettings
+from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
 from mobility_imu.walker.rest_checks import Readings
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.tilt_equations import Form
@@ -62,6 +64,7 @@ SAID = {
     "no rest": (LONG_MOVE_WORDS,),
     "at odds": (ODDS_WORDS,),
     "mount": (FAR_WORDS,),
+    "poses": POSES_WORDS,
 }
 """Words of the warnings of a result that say the same as a fault of the kind."""
 
@@ -161,30 +164,34 @@ def find_tilt_faults(
     stillness = settings_or_default("stillness", stillness, StillnessSettings)
     recording.sensor(FRAME, gyroscope=True)
     found = [with_reach(fault, recording, stillness) for fault in examine(recording)]
-    try:
-        path, _ = navigate_recording(
-            recording, smooth=False, settings=settings, stillness=stillness
+
+    def mount_of(changed: Recording) -> tuple[Navigation, WalkerCalibration]:
+        path, warnings = navigate_recording(
+            changed, smooth=smooth, settings=settings, stillness=stillness
         )
+        return path, calibrate_from_path(
+            path,
+            geometry,
+            method=method,
+            form=form,
+            order=order,
+            settings=settings,
+            stillness=stillness,
+            warnings=warnings,
+        )
+
+    try:
+        path, stated = mount_of(recording)
     except InputError:
         return tuple(found)
     readings = _readings(recording, path.time_s, path.still)
     found += faults_of_readings(recording, readings, found)
+    found += faults_of_tilts(recording, stated.warnings, len(path.time_s))
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
-        return _mount_series(
-            calibrate_mount(
-                changed,
-                geometry,
-                method=method,
-                form=form,
-                smooth=smooth,
-                order=order,
-                settings=settings,
-                stillness=stillness,
-            )
-        )
+        return _mount_series(stated if changed is recording else mount_of(changed)[1])
 
-    return with_costs(found, recording, series)
+    return tuple(f for f in with_costs(found, recording, series) if not _negligible(f))
 
 
 def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool_]:

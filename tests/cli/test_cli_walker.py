@@ -29,7 +29,8 @@ def test_from_tilts_to_a_path(tmp_path, works, method):
     path = pd.read_csv(tmp_path / "path.csv")
     truth = pd.read_csv(CORRIDOR / "truth.csv.gz")
     first = ["time_s", "x_m", "y_m", "z_m", "yaw_deg", "stationary"]
-    assert list(path) == [*first, "x_sd_m", "y_sd_m", "z_sd_m", "yaw_sd_deg"]
+    assert list(path) == [*first, "x_sd_m", "y_sd_m", "z_sd_m", "yaw_sd_deg", "valid"]
+    assert (path["valid"] == 1).all()
     assert (path[["x_sd_m", "y_sd_m", "z_sd_m", "yaw_sd_deg"]] >= 0).all(axis=None)
     assert np.hypot(*end_sd(path)) < 0.2
     end = path[["x_m", "y_m"]].iloc[-1] - truth[["x_m", "y_m"]].iloc[-1]
@@ -61,9 +62,10 @@ def test_commands_write_what_the_library_finds(tmp_path, works):
         WalkerMount.from_toml(tmp_path / "m.toml"),
         closed_loop=ClosedLoop(),
     )
-    for name, table in (("path.csv", path), ("steps.csv", find_steps(path))):
+    whole = path.to_frame().assign(valid=1)
+    for name, table in (("path.csv", whole), ("steps.csv", find_steps(path).to_frame())):
         written = tmp_path / name
-        assert written.read_bytes() == csv_bytes(table.to_frame(), written)
+        assert written.read_bytes() == csv_bytes(table, written)
 
 
 def test_options(works, fails):
