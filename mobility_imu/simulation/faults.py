@@ -18,7 +18,7 @@ __all__ = [
     "freeze",
     "late",
     "late_half",
-    "mirror",
+    "left_handed",
     "offset",
     "reverse",
     "scale",
@@ -185,6 +185,30 @@ def late(recording: Recording, sensor: str, lag_s: float) -> Recording:
     return _replaced(recording, {sensor: new})
 
 
+def late_half(recording: Recording, sensor: str, half: str, lag_s: float) -> Recording:
+    """Recording in which one half of a sensor comes late, or early, against the other.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    half : "acc" or "gyr"
+    lag_s : s, rounded to whole samples; negative for a half that comes early
+
+    Returns
+    -------
+    Recording of the time that both halves have readings for
+    """
+    late, other = _half(recording, sensor, half), "acc" if half == "gyr" else "gyr"
+    steps = round(as_number(lag_s, "lag_s", negative=True) * recording.sampling_rate_hz)
+    count = len(recording) - abs(steps)
+    begin = max(steps, 0)
+    values = {half: late[begin - steps :][:count], other: _half(recording, sensor, other)[begin:]}
+    imu = Imu(values["acc"][:count], values["gyr"][:count])
+    time_s = recording.time_s[begin:][:count]
+    return Recording(time_s, {sensor: imu}, source=recording.source)
+
+
 def exchange(recording: Recording, first: str, second: str) -> Recording:
     """Recording in which two sensors have each other's names.
 
@@ -198,6 +222,24 @@ def exchange(recording: Recording, first: str, second: str) -> Recording:
     Recording
     """
     return _replaced(recording, {first: recording.sensor(second), second: recording.sensor(first)})
+
+
+def left_handed(recording: Recording, sensor: str, axis: int) -> Recording:
+    """Recording of a sensor with left-handed axes: one axis has the wrong sign in both halves.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    axis : 0, 1 or 2
+
+    Returns
+    -------
+    Recording
+    """
+    imu, signs = recording.sensor(sensor), np.where(np.arange(3) == axis, -1.0, 1.0)
+    gyr = None if imu.gyr_radps is None else imu.gyr_radps * signs
+    return _replaced(recording, {sensor: Imu(imu.acc_mps2 * signs, gyr)})
 
 
 def turn(recording: Recording, sensor: str, rotation: ArrayLike) -> Recording:
@@ -217,45 +259,6 @@ def turn(recording: Recording, sensor: str, rotation: ArrayLike) -> Recording:
     imu = recording.sensor(sensor)
     gyr = None if imu.gyr_radps is None else imu.gyr_radps @ rotation.T
     return _replaced(recording, {sensor: Imu(imu.acc_mps2 @ rotation.T, gyr)})
-
-
-def late_half(recording: Recording, sensor: str, half: str, lag_s: float) -> Recording:
-    """Recording in which one half of a sensor comes late, or early, against the other.
-
-    Parameters
-    ----------
-    recording : Recording
-    sensor : name
-    half : "acc" or "gyr"
-    lag_s : s, rounded to whole samples; negative for a half that comes early. Beyond the
-        recording's ends it repeats its first or last reading
-
-    Returns
-    -------
-    Recording
-    """
-    values = _half(recording, sensor, half)
-    steps = round(as_number(lag_s, "lag_s", negative=True) * recording.sampling_rate_hz)
-    index = np.clip(np.arange(len(values)) - steps, 0, len(values) - 1)
-    return _with(recording, sensor, half, values[index])
-
-
-def mirror(recording: Recording, sensor: str, axis: int) -> Recording:
-    """Recording of a sensor with left-handed axes: one axis has the wrong sign in both halves.
-
-    Parameters
-    ----------
-    recording : Recording
-    sensor : name
-    axis : 0, 1 or 2
-
-    Returns
-    -------
-    Recording
-    """
-    imu, signs = recording.sensor(sensor), np.where(np.arange(3) == axis, -1.0, 1.0)
-    gyr = None if imu.gyr_radps is None else imu.gyr_radps * signs
-    return _replaced(recording, {sensor: Imu(imu.acc_mps2 * signs, gyr)})
 
 
 def _half(recording: Recording, sensor: str, half: str) -> FloatArray:

@@ -14,6 +14,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, half_of, interpolated, multiplied, with_half, with_readings
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.health import fault_of
+from mobility_imu.quality import SHORTEST_FROZEN_S, resolution_of
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
 from mobility_imu.walker.mount import WalkerMount
@@ -44,6 +45,8 @@ BRIDGED_S = 0.3
 MOST_CAPPED, MOST_CUT = 0.05, 0.1
 """Parts of the cut samples whose curve ends at twice the range, and of all samples that are cut, up
 to which what was cut off counts as known."""
+HELD_STEPS, HELD_MPS2 = 2.0, 0.1
+"""Change of gravity in a sensor's axes that it has to feel: so many steps and so much beyond."""
 UNKNOWN = "; what the path does there is not known, nor its place and heading from there on"
 
 LEAST_LAG_S, LEAST_SCALE = 0.05, 0.04
@@ -60,6 +63,9 @@ from which the path starts; of three that follow each other. On 16 real walks th
 0.41 and 0.41 deg/s; with unsteady hands all are large, so that the last two also have to be
 :data:`REST_TIMES` the usual one."""
 REST_TIMES, FEWEST_RESTS = 5.0, 3
+JUMP_RADPS, JUMP_TIMES = float(np.deg2rad(0.1)), 6.0
+"""Difference of the rests' median rates before and after a moment, and how many times its standard
+deviation it has to be. On 16 real walks the largest is 5.0 times."""
 ROLLS_MPS, ROLLS_S = 0.3, 1.5
 """A frame at rest does not gain so much speed in so short a time, twice. Rocking and landing of 200
 simulated recordings gain up to 0.24 m/s."""
@@ -67,16 +73,17 @@ OFF_GRAVITY_MPS2 = 0.6
 """Gravity at rest against 9.81: an offset of 60 mg, what data sheets of cheap sensors allow."""
 OFF_TILT_DEG, OFF_SPEED_MPS = 8.0, 1.5
 """Misfit of a single move that no real walk of 16 has (5.9 deg, 0.9 m/s)."""
-SPIKE_RADPS, SPIKE_MPS2, LEAST_SPIKE_MPS2 = 2.0, 20.0, 3.0
-"""Single readings off both neighbours, which agree. On 16 real walks the largest are 0.96 rad/s
-and 7.1 m/s². A smaller one of the accelerometer is told if the velocity comes back to zero without
-it."""
-SPIKE_TIMES = 8.0
-"""... and by so many times the changes around it."""
-FOOT_DEG = 50.0
-"""A frame is tilted by 45 deg at most, to calibrate it; a foot swings by 60 and more."""
-ASIDE_DEG, FEWEST_STEPS, LEAST_STEP_M, LEAST_WAY_M = 5.0, 5, 0.1, 2.0
-"""Steps go forward: on 16 real walks their median course is within 2.5 deg of it."""
+SPIKE_RADPS, SPIKE_MPS2, LEAST_SPIKE_MPS2, SPIKE_TIMES = 0.5, 8.0, 3.0, 8.0
+"""Single readings off both neighbours, which agree, by so much and by so many times the changes
+around them. On 16 real walks the largest are 0.32 rad/s and 3.7 m/s². A smaller one of the
+accelerometer is told if the velocity comes back to zero without it."""
+FOOT_DEG = 25.0
+"""A frame that is walked with is pitched by 10 deg or less (on 16 real walks by 3); a foot swings
+by 30 to 75."""
+LONGEST_STEP_M, LONG_STEPS = 0.8, 2
+"""Nobody sets a frame down further ahead than an arm reaches."""
+ASIDE_DEG, FEWEST_STEPS, LEAST_STEP_M, LEAST_WAY_M = 4.0, 5, 0.1, 2.0
+"""Steps go forward: on 16 real walks the way goes within 2.6 deg of it."""
 LONG_MOVE_WORDS, START_WORDS = "no rest for more than", "the frame moves at the start"
 LEAN_WORDS, ODDS_WORDS = "the frame leans by", "as far from what the filter expects"
 FAR_WORDS = "far off a frame"
@@ -100,10 +107,11 @@ def faults_of_readings(
     """
     checks = [_spikes(recording, readings, found)]
     broken = {f.code for f in found if f.sensor.startswith(FRAME) and f.code != "spike"}
-    if not broken:
+    held = [] if "frozen" in broken else list(_held(recording, readings))
+    if not broken and not held:
         checks.append(_halves(recording, readings))
     checks += [_gravity(recording, readings), _turning_rests(recording, readings)]
-    told = [fault for check in checks for fault in check]
+    told = held + [fault for check in checks for fault in check]
     if "offset" not in {fault.code for fault in told}:
         told += _rolling_rests(recording, readings)
     if not broken and not told:
@@ -142,6 +150,8 @@ def faults_of_path(recording: Recording, found: Trajectory, mount: WalkerMount) 
     if found.settings.zero_rate:  # settings of a foot are without
         told += _foot(recording, found)
     if not {fault.code for fault in told} & {"foot", "no rest"}:
+        told += _far_steps(recording, found)
+    if not {fault.code for fault in told} & {"foot", "no rest", "rolls"}:
         told += _aside(recording, found, mount)
     return told
 
@@ -278,6 +288,29 @@ def _halves(recording: Recording, readings: Readings) -> Iterator[Fault]:
         )  # fmt: skip
 
 
+def _held(recording: Recording, readings: Readings) -> Iterator[Fault]:
+    """An accelerometer in coarse steps that repeats itself while the gyroscope turns gravity."""
+    imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
+    same = np.r_[False, (np.diff(imu.acc_mps2, axis=0) == 0).all(axis=1)]
+    same = long_runs(same, max(2, round(SHORTEST_FROZEN_S * rate_hz) - 1), grow=True)
+    if not same.any():
+        return
+    rates = recording.gyroscope(FRAME) - readings.offset()
+    felt = np.cumsum(-np.cross(rates, imu.acc_mps2) / rate_hz, axis=0)
+    step = float(resolution_of(imu.acc_mps2, skip=same).step.max())
+    flags = np.zeros(len(recording), np.bool_)
+    for run in runs_of(same):
+        flags[run] = np.ptp(felt[run], axis=0).max() > HELD_STEPS * step + HELD_MPS2
+    if flags.any():
+        fault = fault_of(
+            recording, "frozen", f"{FRAME}_acc", flags,
+            "repeats its last reading while the gyroscope turns; leave these times out, or record "
+            "again", size=float(flags.sum() / rate_hz), unit="s",
+            repair=partial(interpolated, sensor=FRAME, half="acc", flags=flags),
+        )  # fmt: skip
+        yield with_reach(fault, recording, StillnessSettings())
+
+
 def _gyroscope_earlier(recording: Recording, lag_s: float) -> Recording:
     """Recording in which the gyroscope's readings come earlier by a lag; its ends are held."""
     time_s, rates = recording.time_s, recording.gyroscope(FRAME)
@@ -319,13 +352,26 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
     first = size[0] > max(FIRST_REST_RADPS, usual)
     bad = (size > ANY_REST_RADPS) | (lasting > max(LASTING_RADPS, usual))
     bad[0] |= first
+    jump = _jump_at(off)
+    if jump:
+        bad[jump:] = True
     if not bad.any():
         return
     flags = np.zeros(len(readings.time_s), np.bool_)
     for rest, is_bad in zip(rests, bad, strict=True):
         flags[rest] |= is_bad
     flags, largest = _placed(flags, len(recording)), float(np.rad2deg(size[bad].max()))
-    if first and not bad[1:].any():
+    if jump:
+        apart = np.median(off[:jump], axis=0) - np.median(off[jump:], axis=0)
+        largest = float(np.rad2deg(np.linalg.norm(apart)))
+        when = (readings.time_s[rests[jump - 1].stop - 1] + readings.time_s[rests[jump].start]) / 2
+        what = (
+            f"reads {largest:.2f} deg/s more at rest from {when:.1f} s on than before: its offset "
+            "jumps"
+        )
+        since = recording.time_s >= when
+        repair = partial(_rates_off, flags=since, rate_radps=-apart)
+    elif first and not bad[1:].any():
         what = (
             f"reads {largest:.1f} deg/s more in the first rest than in the others: the frame moves "
             "where rest was promised, and this passes for the gyroscope's offset"
@@ -342,6 +388,21 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
     yield fault_of(
         recording, "offset", label, flags, what, size=largest, unit="deg/s", repair=repair
     )
+
+
+def _jump_at(off: FloatArray) -> int:
+    """First rest after a jump of the offset; 0 if there is none."""
+    if len(off) < 2 * FEWEST_RESTS:
+        return 0
+    scatter = 1.48 * np.median(np.abs(np.diff(off, axis=0)), axis=0) / np.sqrt(2)
+    best, at = JUMP_TIMES, 0
+    for k in range(2, len(off) - 1):
+        apart = np.abs(np.median(off[:k], axis=0) - np.median(off[k:], axis=0))
+        sd = 1.25 * np.maximum(scatter, 1e-6) * np.sqrt(1 / k + 1 / (len(off) - k))
+        times = float((apart / sd).max())
+        if times > best and np.linalg.norm(apart) > JUMP_RADPS:
+            best, at = times, k
+    return at
 
 
 def _rates_off(recording: Recording, flags: NDArray[np.bool_], rate_radps: FloatArray) -> Recording:
@@ -491,6 +552,23 @@ def _foot(recording: Recording, found: Trajectory) -> Iterator[Fault]:
             "frame does: is the sensor on a foot or in a hand, or did the frame fall? The path is "
             "that of something else (Python: NavigationSettings.for_foot)",
             size=largest, unit="deg",
+        )  # fmt: skip
+
+
+def _far_steps(recording: Recording, found: Trajectory) -> Iterator[Fault]:
+    """Moves from stand to stand that are too far for a frame that is set down."""
+    flags, longest, often = np.zeros(len(found), np.bool_), 0.0, 0
+    for move in runs_of(~found.stationary):
+        way = found.position_m[min(move.stop, len(found) - 1)] - found.position_m[move.start]
+        length = float(np.hypot(*way[:2]))
+        if length > LONGEST_STEP_M:
+            flags[move], longest, often = True, max(longest, length), often + 1
+    if often >= LONG_STEPS:
+        yield fault_of(
+            recording, "rolls", FRAME, _placed(flags, len(recording)),
+            f"moves by up to {longest:.2g} m from stand to stand, {often} times by more than "
+            f"{LONGEST_STEP_M:g} m: is it rolled, or is the sensor on a foot? This method follows "
+            "a frame that is lifted and set down", size=longest, unit="m",
         )  # fmt: skip
 
 

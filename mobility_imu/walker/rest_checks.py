@@ -39,7 +39,9 @@ SIZES = np.array([0.02, 0.02, 0.02, 0.2, 0.2, 0.005])
 BACK_RAD = float(np.deg2rad(2.0))
 """Gravity's directions before and after a move are nearer if the frame stands on its tips again."""
 LARGEST_LAG_S = 0.5
-LAG_STEP_S = 0.05
+LAG_STEP_S = 0.1
+SCALES = (0.5, 0.7, 1.0, 1.4, 2.0)
+"""Starting points of the fit."""
 FEWEST_MOVES = 4
 """Moves from which on the halves are held against each other."""
 CLEARLY = 0.5
@@ -53,8 +55,8 @@ accelerometer's (1 %, data sheets of cheap sensors). The last two are fitted so 
 pass for the first two; a frame that turns makes them all look alike."""
 LEAST = NO_ERROR - np.array([LARGEST_LAG_S, 0.8, *[1.0] * 3, *[0.1] * 3])
 MOST = NO_ERROR + np.array([LARGEST_LAG_S, 4.0, *[1.0] * 3, *[0.1] * 3])
-ROUNDS = 4
-"""Steps of Gauss and Newton after the grid; the second already moves by less than an error."""
+ROUNDS = 3
+"""Steps of Gauss and Newton after the grid; the third moves by less than an error."""
 
 
 class Readings(NamedTuple):
@@ -255,7 +257,7 @@ def fit_halves(readings: Readings) -> HalvesFit:
     """Signs, lag and scale of the gyroscope that the rests ask for.
 
     A move is judged by the size of its misfit, each part over :data:`SIZES`. The signs are tried
-    first; then lags on a grid; then lag and scale, with an offset of the accelerometer and turned
+    first; then scales and lags on a grid; then both, with an offset of the accelerometer and turned
     axes beside them, by Gauss and Newton with the weights of Huber.
 
     Parameters
@@ -282,11 +284,10 @@ def fit_halves(readings: Readings) -> HalvesFit:
     if sizes[best] < CLEARLY * min(without, stated):
         return HalvesFit(True, choices[best], better=sizes[best] / stated)
     lags = np.arange(-LARGEST_LAG_S, LARGEST_LAG_S + 1e-9, LAG_STEP_S)
-    by_lag = [_size(rows(1.0, lag)) for lag in lags]
-    if min(by_lag) > CLEARLY * without:
-        return UNSEEN
+    scale = min(SCALES, key=lambda each: _size(rows(each)))
+    lag = min(lags, key=lambda each: _size(rows(scale, each)))
     found, sd = np.zeros(8), np.full(8, np.inf)
-    found[:2] = lags[int(np.argmin(by_lag))], 1.0
+    found[:2] = lag, min(SCALES, key=lambda each: _size(rows(each, lag)))
 
     def at(errors: FloatArray) -> FloatArray:
         return rows(errors[1], float(errors[0]), errors[2:5], errors[5:8])
@@ -302,6 +303,8 @@ def fit_halves(readings: Readings) -> HalvesFit:
         change, sd = _step(at(found), slopes, found)
         found = np.clip(found + change, LEAST, MOST)
     left = _size(at(found))
+    if left > CLEARLY * without:
+        return UNSEEN
     lag, scale = found[:2].tolist()
     return HalvesFit(True, np.ones(3), lag, float(sd[0]), scale, float(sd[1]), left / stated)
 

@@ -66,7 +66,7 @@ def rolling_motion(seed: int) -> WalkerMotion:
     step = np.diff(gone, prepend=0.0)[:, None] * np.column_stack([np.cos(heading), np.sin(heading)])
     position = np.zeros((len(time_s), 3))
     position[:, :2] = np.cumsum(step, axis=0)
-    rotation = Rotation.from_euler("z", heading).as_matrix()
+    rotation = Rotation.from_euler("z", heading[:, None]).as_matrix()
     return WalkerMotion(time_s, position, rotation, stationary)
 
 
@@ -118,7 +118,7 @@ def foot_motion(seed: int, pitch_rad: float) -> WalkerMotion:
         position[:, 2] += FOOT_LIFT_M * hump(part)
         pitch += pitch_rad * (hump(np.clip(2 * part / 1.2, 0, 1)) - _toe_up(part))
         stationary &= (part <= 0) | (part >= 1)
-    rotation = Rotation.from_euler("y", pitch).as_matrix()
+    rotation = Rotation.from_euler("y", pitch[:, None]).as_matrix()
     return WalkerMotion(time_s, position, rotation, stationary)
 
 
@@ -147,9 +147,9 @@ def loose_start(motion: WalkerMotion, sway_rad: float, turn_rad: float, seed: in
     sway = sway_rad * wave * window(time_s, -1.0, until, 0.5)
     ends = until - 0.3
     turn = turn_rad * np.minimum(time_s, ends) / ends
-    turned = Rotation.from_euler("z", turn)
+    turned = Rotation.from_euler("z", turn[:, None])
     rotation = turned.as_matrix() @ motion.rotation_body_to_world
-    rotation = rotation @ Rotation.from_euler("y", sway).as_matrix()
+    rotation = rotation @ Rotation.from_euler("y", sway[:, None]).as_matrix()
     # The world turns with it: the walk is the same, seen from another side.
     position = np.einsum("ij,nj->ni", turned.as_matrix()[-1], motion.position_m)
     return replace(motion, position_m=position, rotation_body_to_world=rotation)
