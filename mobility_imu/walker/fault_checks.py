@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -10,14 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from mobility_imu.errors import InputError
-from mobility_imu.faults import Fault, half_of, interpolated, multiplied, with_half, with_readings
+from mobility_imu.faults import Fault, half_of, interpolated, multiplied, with_half
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.quality import SHORTEST_FROZEN_S, resolution_of
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.rest_checks import (
     Readings,
     drift_at_rest,
@@ -26,18 +24,9 @@ from mobility_imu.walker.rest_checks import (
     rest_rates,
 )
 from mobility_imu.walker.saturation import FARTHEST, bridged_rates
-from mobility_imu.walker.steps import find_steps
 from mobility_imu.walker.stillness import StillnessSettings, stillness_signals
-from mobility_imu.walker.trajectory import Trajectory
 
-__all__ = [
-    "LEAST_LAG_S",
-    "LEAST_SCALE",
-    "faults_of_path",
-    "faults_of_readings",
-    "faults_of_tilts",
-    "with_reach",
-]
+__all__ = ["LEAST_LAG_S", "LEAST_SCALE", "faults_of_readings", "placed", "with_reach"]
 
 FRAME = "frame"
 BRIDGED_S = 0.3
@@ -45,6 +34,9 @@ BRIDGED_S = 0.3
 MOST_CAPPED, MOST_CUT = 0.05, 0.1
 """Parts of the cut samples whose curve ends at twice the range, and of all samples that are cut, up
 to which what was cut off counts as known."""
+SOME_CUT = 0.01
+"""Part of the samples at the end of a range from which on the halves are not held against each
+other: what was cut looks like a scale."""
 HELD_STEPS, HELD_MPS2 = 2.0, 0.1
 """Change of gravity in a sensor's axes that it has to feel: so many steps and so much beyond."""
 UNKNOWN = "; what the path does there is not known, nor its place and heading from there on"
@@ -57,7 +49,7 @@ and of 100 simulated tilts one shows 3.5 %."""
 SURE_TIMES = 4.0
 """Lag and scale are told if they are so many standard deviations."""
 SHORTEST_REST_S = 0.5
-ANY_REST_RADPS, FIRST_REST_RADPS, LASTING_RADPS = np.deg2rad([1.0, 0.3, 0.4]).tolist()
+ANY_REST_RADPS, FIRST_REST_RADPS, LASTING_RADPS = np.deg2rad([1.0, 0.1, 0.2]).tolist()
 """Mean rate of a rest against the other rests': of any of at least half a second; of the first,
 from which the path starts; of three that follow each other. On 16 real walks the largest are 0.66,
 0.41 and 0.41 deg/s; with unsteady hands all are large, so that the last two also have to be
@@ -77,17 +69,6 @@ SPIKE_RADPS, SPIKE_MPS2, LEAST_SPIKE_MPS2, SPIKE_TIMES = 0.5, 8.0, 3.0, 8.0
 """Single readings off both neighbours, which agree, by so much and by so many times the changes
 around them. On 16 real walks the largest are 0.32 rad/s and 3.7 m/s². A smaller one of the
 accelerometer is told if the velocity comes back to zero without it."""
-FOOT_DEG = 25.0
-"""A frame that is walked with is pitched by 10 deg or less (on 16 real walks by 3); a foot swings
-by 30 to 75."""
-LONGEST_STEP_M, LONG_STEPS = 0.8, 2
-"""Nobody sets a frame down further ahead than an arm reaches."""
-ASIDE_DEG, FEWEST_STEPS, LEAST_STEP_M, LEAST_WAY_M = 4.0, 5, 0.1, 2.0
-"""Steps go forward: on 16 real walks the way goes within 2.6 deg of it."""
-LONG_MOVE_WORDS, START_WORDS = "no rest for more than", "the frame moves at the start"
-LEAN_WORDS, ODDS_WORDS = "the frame leans by", "as far from what the filter expects"
-FAR_WORDS = "far off a frame"
-POSES_WORDS = ("the footprint's", "the tilts went")
 
 
 def faults_of_readings(
@@ -105,81 +86,25 @@ def faults_of_readings(
     -------
     list of Fault
     """
-    checks = [_spikes(recording, readings, found)]
-    broken = {f.code for f in found if f.sensor.startswith(FRAME) and f.code != "spike"}
+    checks: list[Iterable[Fault]] = [_spikes(recording, readings, found)]
+    broken = {
+        f.code
+        for f in found
+        if f.code in ("frozen", "dead axis") or (f.code == "range" and f.flags.mean() > SOME_CUT)
+    }
     held = [] if "frozen" in broken else list(_held(recording, readings))
-    if not broken and not held:
-        checks.append(_halves(recording, readings))
+    coarse = resolution_of(recording.sensor(FRAME).acc_mps2).all_coarse
+    halves = list(_halves(recording, readings)) if not broken or coarse else []
+    late = [fault for fault in halves if fault.code == "lag"]
+    if late:
+        held = []
+    checks.append(halves if not broken and not held else late)
     checks += [_gravity(recording, readings), _turning_rests(recording, readings)]
     told = held + [fault for check in checks for fault in check]
     if "offset" not in {fault.code for fault in told}:
         told += _rolling_rests(recording, readings)
     if not broken and not told:
         told += _misfits(recording, readings)
-    return told
-
-
-def faults_of_path(recording: Recording, found: Trajectory, mount: WalkerMount) -> list[Fault]:
-    """Faults that a path shows: of its start, its mount, its moves, and what it follows.
-
-    Parameters
-    ----------
-    recording : Recording that it is of
-    found : Trajectory, whose warnings become sentences of faults
-    mount : WalkerMount that it was found with
-
-    Returns
-    -------
-    list of Fault
-    """
-    count, late = len(recording), len(recording) - len(found)
-    whole = np.ones(count, np.bool_)
-    told = []
-    for text in found.warnings:
-        said = text if text.startswith(f"{recording.source}: ") else f"{recording.source}: {text}"
-        if START_WORDS in text:
-            told.append(_stated("start", np.arange(count) < late, said, recording))
-        elif LEAN_WORDS in text:
-            told.append(_leaning(recording, found, mount, said))
-        elif LONG_MOVE_WORDS in text:
-            told.append(_stated("no rest", _placed(_long_moves(found), count), said, recording))
-        elif ODDS_WORDS in text:
-            told.append(_stated("at odds", _placed(found.stationary, count), said, recording))
-        elif FAR_WORDS in text:
-            told.append(_stated("mount", whole, said, recording))
-    if found.settings.zero_rate:  # settings of a foot are without
-        told += _foot(recording, found)
-    if not {fault.code for fault in told} & {"foot", "no rest"}:
-        told += _far_steps(recording, found)
-    if not {fault.code for fault in told} & {"foot", "no rest", "rolls"}:
-        told += _aside(recording, found, mount)
-    return told
-
-
-def faults_of_tilts(recording: Recording, warnings: Sequence[str], count: int) -> list[Fault]:
-    """Faults of a recording of tilts that its calibration warns of.
-
-    Parameters
-    ----------
-    recording : Recording
-    warnings : of the calibration
-    count : samples of its path, the last ones of the recording
-
-    Returns
-    -------
-    list of Fault: a start that moves, rests at odds with the filter, tilts that do not fit
-    """
-    whole = np.ones(len(recording), np.bool_)
-    told = []
-    for text in warnings:
-        said = text if text.startswith(f"{recording.source}: ") else f"{recording.source}: {text}"
-        if START_WORDS in text:
-            flags = np.arange(len(recording)) < len(recording) - count
-            told.append(_stated("start", flags, said, recording))
-        elif ODDS_WORDS in text:
-            told.append(_stated("at odds", whole, said, recording))
-        elif any(words in text for words in POSES_WORDS):
-            told.append(_stated("poses", whole, said, recording))
     return told
 
 
@@ -243,14 +168,15 @@ def _with_peaks(values: FloatArray, flags: NDArray[np.bool_]) -> tuple[FloatArra
     return undone, known
 
 
-def _placed(flags: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
-    """Flags of a recording from those of its last samples."""
+def placed(flags: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
+    """Flags of a recording from those of its last samples.
+
+    Parameters
+    ----------
+    flags : (n,) bool array
+    count : samples of the recording
+    """
     return np.asarray(np.r_[np.zeros(count - len(flags), np.bool_), flags])
-
-
-def _stated(code: str, flags: NDArray[np.bool_], sentence: str, recording: Recording) -> Fault:
-    first = float(recording.time_s[int(np.argmax(flags))])
-    return Fault(code, FRAME, first, flags, sentence)
 
 
 def _halves(recording: Recording, readings: Readings) -> Iterator[Fault]:
@@ -360,7 +286,7 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
     flags = np.zeros(len(readings.time_s), np.bool_)
     for rest, is_bad in zip(rests, bad, strict=True):
         flags[rest] |= is_bad
-    flags, largest = _placed(flags, len(recording)), float(np.rad2deg(size[bad].max()))
+    flags, largest = placed(flags, len(recording)), float(np.rad2deg(size[bad].max()))
     if jump:
         apart = np.median(off[:jump], axis=0) - np.median(off[jump:], axis=0)
         largest = float(np.rad2deg(np.linalg.norm(apart)))
@@ -396,7 +322,7 @@ def _jump_at(off: FloatArray) -> int:
         return 0
     scatter = 1.48 * np.median(np.abs(np.diff(off, axis=0)), axis=0) / np.sqrt(2)
     best, at = JUMP_TIMES, 0
-    for k in range(2, len(off) - 1):
+    for k in range(FEWEST_RESTS, len(off) - FEWEST_RESTS + 1):
         apart = np.abs(np.median(off[:k], axis=0) - np.median(off[k:], axis=0))
         sd = 1.25 * np.maximum(scatter, 1e-6) * np.sqrt(1 / k + 1 / (len(off) - k))
         times = float((apart / sd).max())
@@ -426,7 +352,7 @@ def _rolling_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
             often += len(runs_of(gained > ROLLS_MPS))
     if often > 1:
         yield fault_of(
-            recording, "rolls", FRAME, _placed(flags, len(recording)),
+            recording, "rolls", FRAME, placed(flags, len(recording)),
             f"counts as still, but gains up to {largest:.2g} m/s within {ROLLS_S:g} s, {often} "
             "times: a frame that is rolled smoothly passes for still, and the way that it rolls "
             "there is lost; this method follows a frame that is lifted and set down",
@@ -444,7 +370,7 @@ def _misfits(recording: Recording, readings: Readings) -> Iterator[Fault]:
     for span, is_bad in zip(moves.spans, bad, strict=True):
         flags[span] |= is_bad
     yield fault_of(
-        recording, "at odds", FRAME, _placed(flags, len(recording)),
+        recording, "at odds", FRAME, placed(flags, len(recording)),
         f"does not fit together from rest to rest ({int(bad.sum())} times): gravity is up to "
         f"{moves.tilt_deg.max():.1f} deg off the gyroscope's, and a velocity of up to "
         f"{moves.speed_mps.max():.2g} m/s is left where the frame stands" + UNKNOWN,
@@ -466,7 +392,7 @@ def _spikes(recording: Recording, readings: Readings, found: Sequence[Fault]) ->
         size = _alone(half_of(recording, FRAME, half)) * ~known
         far = size > (SPIKE_MPS2 if half == "acc" else SPIKE_RADPS)
         if half == "acc":
-            far |= _placed(_explaining(readings, size[-len(readings.time_s) :]), count)
+            far |= placed(_explaining(readings, size[-len(readings.time_s) :]), count)
         if far.any():
             yield fault_of(
                 recording, "spike", label, far,
@@ -506,94 +432,3 @@ def _explaining(readings: Readings, size: FloatArray) -> NDArray[np.bool_]:
         if was > 3 * usual and now < 0.5 * was:
             sure[span] = True
     return far & sure
-
-
-def _long_moves(found: Trajectory) -> NDArray[np.bool_]:
-    step_s = float(np.median(np.diff(found.time_s)))
-    count = int(found.settings.longest_move_s / step_s) + 1
-    return long_runs(~found.stationary, count, grow=False)
-
-
-def _leaning(recording: Recording, found: Trajectory, mount: WalkerMount, said: str) -> Fault:
-    """Mount by which the standing frame leans; undone by turning the readings upright."""
-    acc = recording.sensor(FRAME).acc_mps2[-len(found) :]
-    force = acc[runs_of(found.stationary)[0]].mean(axis=0)
-    up, level = force / np.linalg.norm(force), mount.rotation_imu_to_body[2]
-    turn = _turn_between(up, level)
-    lean = float(np.rad2deg(np.arccos(np.clip(up @ level, -1, 1))))
-    fault = _stated("turned", np.ones(len(recording), np.bool_), said, recording)
-    return replace(fault, size=lean, unit="deg", repair=partial(_readings_turned, turn=turn))
-
-
-def _readings_turned(recording: Recording, turn: FloatArray) -> Recording:
-    """Recording with both halves turned."""
-    imu = recording.sensor(FRAME)
-    rates = recording.gyroscope(FRAME) @ turn.T
-    return with_readings(recording, FRAME, acc_mps2=imu.acc_mps2 @ turn.T, gyr_radps=rates)
-
-
-def _turn_between(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Shortest turn from one unit vector to another, (3, 3)."""
-    axis, cosine = np.cross(first, second), float(first @ second)
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + cross + cross @ cross / (1 + cosine))
-
-
-def _foot(recording: Recording, found: Trajectory) -> Iterator[Fault]:
-    """Tilts that no frame makes."""
-    upright = found.rotation_body_to_world[:, 2, 2]
-    flags = upright < np.cos(np.deg2rad(FOOT_DEG))
-    if flags.any():
-        largest = float(np.rad2deg(np.arccos(np.clip(upright.min(), -1, 1))))
-        yield fault_of(
-            recording, "foot", FRAME, _placed(flags, len(recording)),
-            f"tilts by up to {largest:.0f} deg, {len(runs_of(flags))} times, which no walking "
-            "frame does: is the sensor on a foot or in a hand, or did the frame fall? The path is "
-            "that of something else (Python: NavigationSettings.for_foot)",
-            size=largest, unit="deg",
-        )  # fmt: skip
-
-
-def _far_steps(recording: Recording, found: Trajectory) -> Iterator[Fault]:
-    """Moves from stand to stand that are too far for a frame that is set down."""
-    flags, longest, often = np.zeros(len(found), np.bool_), 0.0, 0
-    for move in runs_of(~found.stationary):
-        way = found.position_m[min(move.stop, len(found) - 1)] - found.position_m[move.start]
-        length = float(np.hypot(*way[:2]))
-        if length > LONGEST_STEP_M:
-            flags[move], longest, often = True, max(longest, length), often + 1
-    if often >= LONG_STEPS:
-        yield fault_of(
-            recording, "rolls", FRAME, _placed(flags, len(recording)),
-            f"moves by up to {longest:.2g} m from stand to stand, {often} times by more than "
-            f"{LONGEST_STEP_M:g} m: is it rolled, or is the sensor on a foot? This method follows "
-            "a frame that is lifted and set down", size=longest, unit="m",
-        )  # fmt: skip
-
-
-def _aside(recording: Recording, found: Trajectory, mount: WalkerMount) -> Iterator[Fault]:
-    """Steps that go aside or backward: the mount is turned about the vertical."""
-    try:
-        steps = find_steps(found)
-    except InputError:
-        return
-    far = steps.length_m > LEAST_STEP_M
-    if np.count_nonzero(far) < FEWEST_STEPS:
-        return
-    heading = np.interp(steps.lift_s, found.time_s, found.yaw_rad)
-    # Vectors, not courses: who places one step aside corrects it with the next.
-    way = (steps.length_m * np.exp(1j * (steps.direction_rad - heading)))[far]
-    middle = float(np.rad2deg(np.angle(way.sum())))
-    if abs(middle) < ASIDE_DEG or abs(way.sum()) < LEAST_WAY_M:
-        return
-    c, s = np.cos(np.deg2rad(middle)), np.sin(np.deg2rad(middle))
-    about = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    turn = mount.rotation_imu_to_body.T @ about @ mount.rotation_imu_to_body
-    yield fault_of(
-        recording, "turned", FRAME, np.ones(len(recording), np.bool_),
-        f"steps {abs(middle):.0f} deg to the {'left' if middle > 0 else 'right'} of its "
-        "forward axis: has the IMU been turned since it was calibrated, or was it calibrated with "
-        "tilts in another order than stated?",
-        size=middle, unit="deg", repair=partial(_readings_turned, turn=turn),
-    )  # fmt: skip

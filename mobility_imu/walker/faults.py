@@ -25,23 +25,21 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine
 from mobility_imu.recording import Recording
 from mobility_imu.walker.calibration import Method, WalkerCalibration, calibrate_from_path
-from mobility_imu.walker.fault_checks import (
+from mobility_imu.walker.fault_checks import FRAME, faults_of_readings, with_reach
+from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
+from mobility_imu.walker.path_checks import (
     FAR_WORDS,
-    FRAME,
     LEAN_WORDS,
     LONG_MOVE_WORDS,
     ODDS_WORDS,
     POSES_WORDS,
     START_WORDS,
     faults_of_path,
-    faults_of_readings,
     faults_of_tilts,
-    with_reach,
 )
-from mobility_imu.walker.follow import navigate_recording
-from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
-from mobility_imu.walker.mount import WalkerMount
-from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
 from mobility_imu.walker.rest_checks import Readings
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.tilt_equations import Form
@@ -120,7 +118,7 @@ def find_faults(
     except InputError:
         return tuple(found)
     readings = _readings(recording, path.time_s, path.stationary)
-    found += faults_of_readings(recording, readings, found)
+    found = _with_readings(found, faults_of_readings(recording, readings, found))
     found += faults_of_path(recording, path, mount)
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
@@ -185,7 +183,7 @@ def find_tilt_faults(
     except InputError:
         return tuple(found)
     readings = _readings(recording, path.time_s, path.still)
-    found += faults_of_readings(recording, readings, found)
+    found = _with_readings(found, faults_of_readings(recording, readings, found))
     found += faults_of_tilts(recording, stated.warnings, len(path.time_s))
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
@@ -243,6 +241,13 @@ def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
     """
     known = [words for fault in faults for words in SAID.get(fault.code, ())]
     return [text for text in warnings if not any(words in text for words in known)]
+
+
+def _with_readings(found: list[Fault], more: list[Fault]) -> list[Fault]:
+    """Faults together; a late half makes an accelerometer in coarse steps look frozen."""
+    if any(fault.code == "lag" for fault in more):
+        found = [f for f in found if (f.code, f.sensor) != ("frozen", f"{FRAME}_acc")]
+    return found + more
 
 
 def _negligible(fault: Fault) -> bool:

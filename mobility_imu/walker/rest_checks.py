@@ -38,7 +38,7 @@ SIZES = np.array([0.02, 0.02, 0.02, 0.2, 0.2, 0.005])
 """Usual misfits of a frame that is lifted and set down (m/s, deg, m): simulated, "realistic"."""
 BACK_RAD = float(np.deg2rad(2.0))
 """Gravity's directions before and after a move are nearer if the frame stands on its tips again."""
-LARGEST_LAG_S = 0.5
+LARGEST_LAG_S = 1.0
 LAG_STEP_S = 0.1
 SCALES = (0.5, 0.7, 1.0, 1.4, 2.0)
 """Starting points of the fit."""
@@ -280,12 +280,13 @@ def fit_halves(readings: Readings) -> HalvesFit:
     without, stated = _size(rows(0.0)), _size(rows(1.0))
     choices = [np.array(signs) for signs in product((1.0, -1.0), repeat=3)][1:]
     sizes = [_size(rows(signs)) for signs in choices]
-    best = int(np.argmin(sizes))
-    if sizes[best] < CLEARLY * min(without, stated):
-        return HalvesFit(True, choices[best], better=sizes[best] / stated)
     lags = np.arange(-LARGEST_LAG_S, LARGEST_LAG_S + 1e-9, LAG_STEP_S)
     scale = min(SCALES, key=lambda each: _size(rows(each)))
-    lag = min(lags, key=lambda each: _size(rows(scale, each)))
+    by_lag = [_size(rows(scale, each)) for each in lags]
+    lag = float(lags[int(np.argmin(by_lag))])
+    best = int(np.argmin(sizes))
+    if sizes[best] < min(CLEARLY * without, CLEARLY * stated, *by_lag):
+        return HalvesFit(True, choices[best], better=sizes[best] / stated)
     found, sd = np.zeros(8), np.full(8, np.inf)
     found[:2] = lag, min(SCALES, key=lambda each: _size(rows(each, lag)))
 

@@ -25,11 +25,12 @@ from mobility_imu.simulation.walker import (
     attach_imu,
     simulate_walk,
 )
-from mobility_imu.walker.calibration import calibrate_mount
+from mobility_imu.walker.calibration import calibrate_from_path, calibrate_mount
+from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 
-__all__ = ["KINDS", "TILT_KINDS", "Injected", "Walked", "clean_walk"]
+__all__ = ["KINDS", "MOTION_KINDS", "TILT_KINDS", "Injected", "Walked", "clean_walk"]
 
 COURSE = (Leg(2.5, np.pi / 2), Leg(1.5, np.pi / 2))
 """Fifteen steps or so, and two corners: 50 s."""
@@ -89,13 +90,14 @@ def pose_of(seed: int) -> str:
     return str(1 + seed % len(MOUNTS))
 
 
-def clean_walk(seed: int, level: str) -> Walked:
+def clean_walk(seed: int, level: str, *, with_sd: bool = True) -> Walked:
     """A walk and tilts without a fault, and the mount that the tilts give.
 
     Parameters
     ----------
     seed : the same seed gives the same bytes
     level : a key of ``LEVELS``, or "real"
+    with_sd : whether the mount has standard deviations, which take most of the time
 
     Returns
     -------
@@ -107,7 +109,10 @@ def clean_walk(seed: int, level: str) -> Walked:
     motion = simulate_walk(COURSE, seed=seed, imperfections=of.imperfections)
     unit = unit_of(seed, pose)
     walk = attach_imu(motion, MOUNTS[pose], of.sensor, seed=unit, unit_seed=unit)
-    mount = calibrate_mount(tilts.recording, tape).mount
+    if with_sd:
+        mount = calibrate_mount(tilts.recording, tape).mount
+    else:
+        mount = calibrate_from_path(navigate_recording(tilts.recording)[0], tape).mount
     return Walked(seed, of, walk, tilts, tape, mount)
 
 
@@ -470,6 +475,9 @@ KINDS: dict[str, tuple[Injection, frozenset[str]]] = {
 }
 """Kinds of faults of a walk: how each is injected, and by which codes it is rightly named. Where no
 code is right, only a refusal is."""
+
+MOTION_KINDS = ("rolls", "foot", "start sways", "start turns")
+"""Those in which the motion is at fault, not the sensor: the path is held against the true one."""
 
 TILT_KINDS: dict[str, tuple[Injection, frozenset[str]]] = {
     "tilts, another order": (tilts_in_another_order, _codes("poses")),
