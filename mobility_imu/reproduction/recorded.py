@@ -141,7 +141,7 @@ STUDIES: dict[str, Study] = {
     "faults_walker": Study(
         "mobility_imu.reproduction.walker.faults",
         "study",
-        "8000 to 8024 for the walks that get a fault; 9000, 10000, 11000, 12000 and on for the others",
+        "8000 to 8024 for walks that get a fault; from 9000, 10000, 11000 and 12000 for others",
         reads_recordings=True,
     ),
     "level_real": Study(

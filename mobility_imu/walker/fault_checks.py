@@ -99,11 +99,14 @@ def faults_of_readings(
     if late:
         held = []
     checks.append(halves if not broken and not held else late)
-    checks += [_gravity(recording, readings), _turning_rests(recording, readings)]
+    checks.append(_gravity(recording, readings))
     told = held + [fault for check in checks for fault in check]
+    if broken:  # what else is odd comes from that
+        return told
+    told += _turning_rests(recording, readings)
     if "offset" not in {fault.code for fault in told}:
         told += _rolling_rests(recording, readings)
-    if not broken and not told:
+    if not told:
         told += _misfits(recording, readings)
     return told
 

@@ -119,7 +119,7 @@ def find_faults(
         return tuple(found)
     readings = _readings(recording, path.time_s, path.stationary)
     found = _with_readings(found, faults_of_readings(recording, readings, found))
-    found += faults_of_path(recording, path, mount)
+    found += faults_of_path(recording, path, mount, found)
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
         return _path_series(path if changed is recording else path_of(changed), len(recording))
@@ -197,7 +197,8 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
 
     A rest brings velocity and tilt back, never place and heading. So a fault that nothing can undo,
     or that moves place or heading by more than their stated standard deviations at the end, leaves
-    everything from its first sample on not valid.
+    everything from its first sample on not valid. One that costs less touches its own samples, or
+    none if it lasts throughout.
 
     Parameters
     ----------
@@ -214,16 +215,17 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
         "place": float(found.horizontal_sd_m[-1]),
         "heading": float(np.rad2deg(found.yaw_sd_rad[-1])),
     }
-    for fault in faults:
-        if fault.code == "start":
-            continue
+    faults = [fault for fault in faults if fault.code != "start"]
+    causes = [fault for fault in faults if fault.code != "at odds"]
+    for fault in causes or faults:
         touched = fault.flags[-len(found) :].copy()
-        lasting = fault.repair is None or any(
+        lasting = not fault.costs or any(
             cost.largest > sds.get(cost.name, np.inf) for cost in fault.costs
         )
         if lasting and touched.any():
             touched[int(np.argmax(touched)) :] = True
-        valid &= ~touched
+        if lasting or not touched.all():
+            valid &= ~touched
     return valid
 
 

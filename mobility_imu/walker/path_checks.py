@@ -32,10 +32,13 @@ ASIDE_DEG, FEWEST_STEPS, LEAST_STEP_M, LEAST_WAY_M = 4.0, 5, 0.1, 2.0
 LONG_MOVE_WORDS, START_WORDS = "no rest for more than", "the frame moves at the start"
 LEAN_WORDS, ODDS_WORDS = "the frame leans by", "as far from what the filter expects"
 FAR_WORDS = "far off a frame"
+BROKEN = {"frozen", "dead axis", "reversed"}
 POSES_WORDS = ("the footprint's", "the tilts went")
 
 
-def faults_of_path(recording: Recording, found: Trajectory, mount: WalkerMount) -> list[Fault]:
+def faults_of_path(
+    recording: Recording, found: Trajectory, mount: WalkerMount, known: Sequence[Fault] = ()
+) -> list[Fault]:
     """Faults that a path shows: of its start, its mount, its moves, and what it follows.
 
     Parameters
@@ -43,6 +46,7 @@ def faults_of_path(recording: Recording, found: Trajectory, mount: WalkerMount) 
     recording : Recording that it is of
     found : Trajectory, whose warnings become sentences of faults
     mount : WalkerMount that it was found with
+    known : Fault, of the readings: a path from a broken sensor shows no mount and no manner
 
     Returns
     -------
@@ -63,6 +67,8 @@ def faults_of_path(recording: Recording, found: Trajectory, mount: WalkerMount) 
             told.append(_stated("at odds", placed(found.stationary, count), said, recording))
         elif FAR_WORDS in text:
             told.append(_stated("mount", whole, said, recording))
+    if {fault.code for fault in known} & BROKEN:
+        return told
     if found.settings.zero_rate:  # settings of a foot are without
         told += _foot(recording, found)
     if not {fault.code for fault in told} & {"foot", "no rest"}:
