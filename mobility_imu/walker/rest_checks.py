@@ -7,7 +7,7 @@ says, the velocity comes back to zero, and the height to the floor. What is left
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise, product
 from typing import NamedTuple
 
@@ -280,15 +280,12 @@ def fit_halves(readings: Readings) -> HalvesFit:
     without, stated = _size(rows(0.0)), _size(rows(1.0))
     choices = [np.array(signs) for signs in product((1.0, -1.0), repeat=3)][1:]
     sizes = [_size(rows(signs)) for signs in choices]
-    lags = np.arange(-LARGEST_LAG_S, LARGEST_LAG_S + 1e-9, LAG_STEP_S)
-    scale = min(SCALES, key=lambda each: _size(rows(each)))
-    by_lag = [_size(rows(scale, each)) for each in lags]
-    lag = float(lags[int(np.argmin(by_lag))])
+    least, lag, scale = min(_descents(rows))
     best = int(np.argmin(sizes))
-    if sizes[best] < min(CLEARLY * without, CLEARLY * stated, *by_lag):
+    if sizes[best] < min(CLEARLY * without, CLEARLY * stated, least):
         return HalvesFit(True, choices[best], better=sizes[best] / stated)
     found, sd = np.zeros(8), np.full(8, np.inf)
-    found[:2] = lag, min(SCALES, key=lambda each: _size(rows(each, lag)))
+    found[:2] = lag, scale
 
     def at(errors: FloatArray) -> FloatArray:
         return rows(errors[1], float(errors[0]), errors[2:5], errors[5:8])
@@ -308,6 +305,21 @@ def fit_halves(readings: Readings) -> HalvesFit:
         return UNSEEN
     lag, scale = found[:2].tolist()
     return HalvesFit(True, np.ones(3), lag, float(sd[0]), scale, float(sd[1]), left / stated)
+
+
+def _descents(rows: Callable[..., FloatArray]) -> Iterator[tuple[float, float, float]]:
+    """Misfit, lag and scale on a grid: the best lag first, and the best scale first."""
+    lags = np.arange(-LARGEST_LAG_S, LARGEST_LAG_S + 1e-9, LAG_STEP_S).tolist()
+    for first in ("lag", "scale"):
+        lag, scale = 0.0, 1.0
+        for what in (first, "lag" if first == "scale" else "scale"):
+            if what == "lag":
+                by_lag = [_size(rows(scale, each)) for each in lags]
+                lag, least = lags[int(np.argmin(by_lag))], min(by_lag)
+            else:
+                by_scale = [_size(rows(each, lag)) for each in SCALES]
+                scale, least = SCALES[int(np.argmin(by_scale))], min(by_scale)
+        yield least, lag, scale
 
 
 def _size(rows: FloatArray) -> float:
