@@ -246,9 +246,12 @@ def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
 
 
 def _with_readings(found: list[Fault], more: list[Fault]) -> list[Fault]:
-    """Faults together; a late half makes an accelerometer in coarse steps look frozen."""
-    if any(fault.code == "lag" for fault in more):
+    """Faults together; a late half also looks like wrong signs, and like a frozen accelerometer."""
+    codes = {fault.code for fault in more}
+    if "lag" in codes:
         found = [f for f in found if (f.code, f.sensor) != ("frozen", f"{FRAME}_acc")]
+    if codes & {"lag", "reversed"}:
+        found = [fault for fault in found if fault.code != "reversed"]
     return found + more
 
 

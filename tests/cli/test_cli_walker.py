@@ -172,7 +172,7 @@ def test_a_fault_is_told_with_what_it_costs(tmp_path, works, fails, saved):
     assert re.search(r"frame_gyr comes 0\.(19|20|21) ± 0\.01 s later", said)
     assert "; it moves the place by up to " in said
     assert (pd.read_csv(tmp_path / "path.csv")["valid"] == 0).all()
-    fails(*trajectory(walk=late, mount=TRUE_MOUNT), "--strict", says=["frame_gyr comes 0.2", "s later"])
+    fails(*trajectory(walk=late, mount=TRUE_MOUNT), "--strict", says=["frame_gyr"])
 
 
 def test_a_fault_in_the_tilts_is_told_in_the_mount(works, fails, saved):
