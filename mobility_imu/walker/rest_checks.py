@@ -40,6 +40,8 @@ BACK_RAD = float(np.deg2rad(2.0))
 """Gravity's directions before and after a move are nearer if the frame stands on its tips again."""
 LARGEST_LAG_S = 1.0
 LAG_STEP_S = 0.1
+FITS = 0.3
+"""A lag that brings the misfits below this part of those without a gyroscope needs no scale."""
 SCALES = (0.5, 0.7, 1.0, 1.4, 2.0)
 """Starting points of the fit."""
 FEWEST_MOVES = 4
@@ -183,16 +185,19 @@ class _Batch:
         """Attitudes (m, n, 3, 3) against each move's first sample."""
         rate = (self.rates @ mixing.T)[np.clip(self.index + late, 0, self.count - 1)]
         turn = (rate[:, 1:] + rate[:, :-1]) / 2 * self.step[:, :, None]
-        q = np.zeros((*self.index.shape, 4))
-        q[:, 0, 0] = 1.0
-        half = np.linalg.norm(turn, axis=2) / 2
-        q[:, 1:, 0] = np.cos(half)
-        q[:, 1:, 1:] = turn / 2 * np.sinc(half / np.pi)[:, :, None]
+        half = np.sqrt(np.einsum("mni,mni->mn", turn, turn)) / 2
+        size = np.sinc(half / np.pi) / 2
+        # Quaternions as pairs of complex numbers, w + x i and y + z i, which multiply fastest.
+        first, second = np.ones(self.index.shape, complex), np.zeros(self.index.shape, complex)
+        first[:, 1:] = np.cos(half) + 1j * size * turn[:, :, 0]
+        second[:, 1:] = size * (turn[:, :, 1] + 1j * turn[:, :, 2])
         # Products of 2, 4, 8 ... neighbours: all attitudes in log2(n) rounds.
         step = 1
-        while step < q.shape[1]:
-            q[:, step:] = _product(q[:, :-step], q[:, step:])
+        while step < first.shape[1]:
+            a, b, c, d = first[:, :-step], second[:, :-step], first[:, step:], second[:, step:]
+            first[:, step:], second[:, step:] = a * c - b * d.conj(), a * d + b * c.conj()
             step *= 2
+        q = np.stack([first.real, first.imag, second.real, second.imag], axis=-1)
         return np.asarray(np.swapaxes(rotation_world_to_imu(q), -1, -2))
 
 
@@ -209,15 +214,6 @@ def moves_between_rests(readings: Readings) -> Moves:
     """
     batch = _Batch(readings)
     return Moves(batch.spans, batch.misfit() if batch.spans else np.zeros((0, 6)))
-
-
-def _product(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Quaternion products, scalar first."""
-    (w, x, y, z), (p, q, r, s) = np.moveaxis(a, -1, 0), np.moveaxis(b, -1, 0)
-    return np.stack([
-        w * p - x * q - y * r - z * s, w * q + x * p + y * s - z * r,
-        w * r - x * s + y * p + z * q, w * s + x * r - y * q + z * p,
-    ], axis=-1)  # fmt: skip
 
 
 def _upright(up: FloatArray) -> FloatArray:
@@ -280,7 +276,7 @@ def fit_halves(readings: Readings) -> HalvesFit:
     without, stated = _size(rows(0.0)), _size(rows(1.0))
     choices = [np.array(signs) for signs in product((1.0, -1.0), repeat=3)][1:]
     sizes = [_size(rows(signs)) for signs in choices]
-    least, lag, scale = min(_descents(rows))
+    least, lag, scale = min(_descents(rows, without))
     best = int(np.argmin(sizes))
     if sizes[best] < min(CLEARLY * without, CLEARLY * stated, least):
         return HalvesFit(True, choices[best], better=sizes[best] / stated)
@@ -307,7 +303,9 @@ def fit_halves(readings: Readings) -> HalvesFit:
     return HalvesFit(True, np.ones(3), lag, float(sd[0]), scale, float(sd[1]), left / stated)
 
 
-def _descents(rows: Callable[..., FloatArray]) -> Iterator[tuple[float, float, float]]:
+def _descents(
+    rows: Callable[..., FloatArray], without: float
+) -> Iterator[tuple[float, float, float]]:
     """Misfit, lag and scale on a grid: the best lag first, and the best scale first."""
     lags = np.arange(-LARGEST_LAG_S, LARGEST_LAG_S + 1e-9, LAG_STEP_S).tolist()
     for first in ("lag", "scale"):
@@ -320,6 +318,8 @@ def _descents(rows: Callable[..., FloatArray]) -> Iterator[tuple[float, float, f
                 by_scale = [_size(rows(each, lag)) for each in SCALES]
                 scale, least = SCALES[int(np.argmin(by_scale))], min(by_scale)
         yield least, lag, scale
+        if least < FITS * without:
+            return
 
 
 def _size(rows: FloatArray) -> float:
