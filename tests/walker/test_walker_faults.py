@@ -243,3 +243,19 @@ def test_every_kind_of_the_study_can_be_injected(kind):
         assert kind in ("clock", "left-handed", "beyond any range")
         return
     assert faulty.sensor and len(faulty.recording)
+
+
+def test_injected_lags_and_mirrors():
+    """A late half holds the same readings, later; a mirror held twice is none."""
+    recording = walked().walk.recording
+    for lag in (0.25, -0.25):
+        late = inject.late_half(recording, "frame", "gyr", lag)
+        assert len(late) == len(recording) - 25
+        first = int(np.searchsorted(recording.time_s, late.time_s[0]))
+        assert (late.sensor("frame").acc_mps2[0] == recording.sensor("frame").acc_mps2[first]).all()
+        shifted = recording.gyroscope("frame")[first - round(100 * lag) :][: len(late)]
+        assert (late.gyroscope("frame") == shifted).all()
+    once = inject.left_handed(recording, "frame", 1)
+    twice = inject.left_handed(once, "frame", 1)
+    assert (twice.gyroscope("frame") == recording.gyroscope("frame")).all()
+    assert (once.gyroscope("frame")[:, 1] == -recording.gyroscope("frame")[:, 1]).all()
