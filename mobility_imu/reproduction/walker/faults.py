@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -41,7 +41,19 @@ from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.trajectory import Trajectory, estimate_trajectory
 
-__all__ = ["CASES", "example", "false_alarms", "numbers_of", "one_case", "study", "summary_of"]
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = [
+    "CASES",
+    "example",
+    "false_alarms",
+    "numbers_of",
+    "one_case",
+    "study",
+    "summary_of",
+    "table",
+]
 
 CASES = 100
 """Recordings of each kind."""
@@ -316,8 +328,9 @@ def _cases(kind: str, cases: list[int]) -> list[dict[str, Any]]:
     return [one_case(kind, case) for case in cases]
 
 
-COLUMNS = ("case", "sensor", "size", "unit", "ratio", "of", "found_as", "right", "cost_stated",
-           "cost_real")  # fmt: skip
+COLUMNS = ("sensor", "size", "unit", "ratio", "of", "found_as", "right", "cost_stated", "cost_real")
+"""Of a row as the record keeps it: one line with semicolons, nothing where there is no number."""
+NUMBERS = ("size", "ratio", "cost_stated", "cost_real")
 
 
 def numbers_of(rows: list[dict[str, Any]], clean: list[dict[str, Any]]) -> dict[str, Any]:
@@ -330,14 +343,11 @@ def numbers_of(rows: list[dict[str, Any]], clean: list[dict[str, Any]]) -> dict[
 
     Returns
     -------
-    dict: ``kinds``, rows of :func:`summary_of`; ``cases``, columns of all rows by kind; ``clean``,
-    alarms by level, of walks and of tilts
+    dict: ``kinds``, rows of :func:`summary_of`; ``cases``, lines by kind, see :data:`COLUMNS`;
+    ``clean``, alarms by level, of walks and of tilts
     """
     cases = {
-        kind: {
-            column: [_kept(row.get(column)) for row in sorted(of_kind, key=lambda r: r["case"])]
-            for column in COLUMNS
-        }
+        kind: [_line(row) for row in sorted(of_kind, key=lambda r: r["case"])]
         for kind in (*KINDS, *TILT_KINDS)
         if (of_kind := [row for row in rows if row["kind"] == kind])
     }
@@ -361,11 +371,42 @@ def numbers_of(rows: list[dict[str, Any]], clean: list[dict[str, Any]]) -> dict[
     return {"kinds": [summary_of(kind, rows) for kind in cases], "cases": cases, "clean": alarms}
 
 
+def _line(row: dict[str, Any]) -> str:
+    return ";".join(str(_kept(row.get(column))) for column in COLUMNS)
+
+
 def _kept(value: Any) -> Any:
-    """Three digits of a number; None for what JSON has no word for."""
-    if isinstance(value, float):
-        return float(f"{value:.3g}") if np.isfinite(value) else None
-    return value
+    """Three digits of a number, and 1 or 0; nothing for what there is no number for."""
+    if value is None or (isinstance(value, float) and not np.isfinite(value)):
+        return ""
+    return f"{value:.3g}" if isinstance(value, float) else int(value) if value in (0, 1) else value
+
+
+def table(numbers: dict[str, Any]) -> pd.DataFrame:
+    """All cases of a record.
+
+    Parameters
+    ----------
+    numbers : of :func:`numbers_of`
+
+    Returns
+    -------
+    DataFrame: ``kind``, ``case``, those of :data:`COLUMNS`, and ``matters``: whether the ratio is
+    above :data:`MATTERS`; a refusal counts as mattering
+    """
+    import pandas as pd
+
+    rows = [
+        (kind, case, *line.split(";"))
+        for kind, lines in numbers["cases"].items()
+        for case, line in enumerate(lines)
+    ]
+    found = pd.DataFrame(rows, columns=["kind", "case", *COLUMNS])
+    for column in NUMBERS:
+        found[column] = pd.to_numeric(found[column], errors="coerce")
+    found["right"] = found["right"] == "1"
+    found["matters"] = (found["ratio"] > MATTERS) | (found["found_as"] == "refused")
+    return found
 
 
 def summary_of(kind: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
@@ -399,7 +440,7 @@ def summary_of(kind: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
         "found": sum(bool(row["found_as"]) for row in matter),
         "priced": len(priced),
         "within_two": len(within),
-        "largest_missed": _kept(max(missed, default=0.0)),
+        "largest_missed": float(f"{max(missed, default=0.0):.3g}"),
         "told_in_vain": sum(bool(row["found_as"]) for row in seen if row["ratio"] <= MATTERS),
     }
 
