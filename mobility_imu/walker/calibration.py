@@ -553,5 +553,5 @@ def _footprint_warnings(footprint: tuple[float, float], geometry: WalkerGeometry
         for name, found, tape, off in zip(
             ("width", "length"), footprint, measured, apart, strict=True
         )
-        if off > (0.04 if other_way else 0.12)
+        if off > (0.04 if other_way else 0.11)
     ]
