@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import read_input
+from mobility_imu.cli.inputs import read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Smooth, Strict, sub_app
 from mobility_imu.errors import InputError
@@ -17,7 +17,10 @@ Method = Literal["four-tilts", "two-tilts", "all-samples"]
 Form = Literal["corrected", "printed"]
 
 if TYPE_CHECKING:
-    from mobility_imu.walker import Steps, Trajectory, WalkerGeometry
+    from pandas import DataFrame
+
+    from mobility_imu.recording import Recording
+    from mobility_imu.walker import Steps, Trajectory, WalkerGeometry, WalkerMount
 
 app = sub_app("Walking frame: mount of the IMU, and path.")
 
@@ -50,20 +53,22 @@ def calibrate(
     """
     from mobility_imu.cli.summaries import read_line, walker_mount_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.walker import WalkerGeometry, calibrate_mount
+    from mobility_imu.walker import WalkerGeometry, calibrate_mount, find_tilt_faults
+    from mobility_imu.walker.faults import not_told
 
     outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
     frame = WalkerGeometry.from_toml(geometry)
     recording = read_input(tilts, "walker", sampling_rate_hz, fill_gaps_s, strict)
-    found = calibrate_mount(
-        recording,
-        frame,
-        method=method,
-        form=form,
-        order=[name.strip() for name in order.split(",")],  # type: ignore[misc]
-        smooth=smooth,
-    )
-    warn(found.warnings)
+    options: dict[str, Any] = {
+        "method": method,
+        "form": form,
+        "order": [name.strip() for name in order.split(",")],
+        "smooth": smooth,
+    }
+    faults = find_tilt_faults(recording, frame, **options)
+    tell_faults(faults, strict)
+    found = calibrate_mount(recording, frame, **options)
+    warn(not_told(found.warnings, faults))
     outputs.write({output: found.to_toml().encode()})
     summarize([read_line(recording), *walker_mount_lines(found), written_line([output])], quiet)
 
@@ -105,32 +110,45 @@ def trajectory(
     from mobility_imu.cli.summaries import read_line, trajectory_lines, written_line
     from mobility_imu.readers import recording_files
     from mobility_imu.readers.rests import read_rests
-    from mobility_imu.walker import ClosedLoop, WalkerMount, estimate_trajectory
+    from mobility_imu.walker import WalkerMount
 
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
     recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s, strict)
     known = None if rests is None else read_rests(rests, recording.time_s)
-    try:
-        found = estimate_trajectory(
-            recording,
-            _footprint(geometry),
-            mount,
-            smooth=smooth,
-            closed_loop=ClosedLoop() if closed_loop else None,
-            rests=known,
-        )
-    except InputError as error:
-        raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
-    warn(found.warnings)
-    contents = {output: csv_bytes(found.to_frame(), output)}
+    options = {"smooth": smooth, "closed_loop": closed_loop, "rests": known}
+    found, table = _followed(walk, recording, _footprint(geometry), mount, options, strict)
+    contents = {output: csv_bytes(table, output)}
     placed = _steps(found, walk, needed=steps is not None)
     if steps is not None and placed is not None:
         contents[steps] = csv_bytes(placed.to_frame(), steps)
     outputs.write(contents)
     lines = [read_line(recording), *trajectory_lines(found, placed), written_line(contents)]
     summarize(lines, quiet)
+
+
+def _followed(
+    walk: Path,
+    recording: Recording,
+    frame: WalkerGeometry | None,
+    mount: WalkerMount,
+    options: dict[str, Any],
+    strict: bool,
+) -> tuple[Trajectory, DataFrame]:
+    """Path and its table, whose last column says where no fault touches it; faults are told."""
+    from mobility_imu.walker import ClosedLoop, estimate_trajectory, find_faults, valid_samples
+    from mobility_imu.walker.faults import not_told
+
+    options = {**options, "closed_loop": ClosedLoop() if options["closed_loop"] else None}
+    faults = find_faults(recording, frame, mount, **options)
+    tell_faults(faults, strict)
+    try:
+        found = estimate_trajectory(recording, frame, mount, **options)
+    except InputError as error:
+        raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
+    warn(not_told(found.warnings, faults))
+    return found, found.to_frame().assign(valid=valid_samples(found, faults).astype(int))
 
 
 def _steps(found: Trajectory, walk: Path, *, needed: bool) -> Steps | None:

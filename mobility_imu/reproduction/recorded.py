@@ -150,6 +150,12 @@ STUDIES: dict[str, Study] = {
         "none: nothing is drawn",
         reads_recordings=True,
     ),
+    "faults_walker": Study(
+        "mobility_imu.reproduction.walker.faults",
+        "study",
+        "8000 to 8024 for walks that get a fault; from 9000, 10000, 11000 and 12000 for others",
+        reads_recordings=True,
+    ),
     "level_real": Study(
         "mobility_imu.reproduction.real_level",
         "level_real",

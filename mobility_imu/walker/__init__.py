@@ -2,10 +2,12 @@
 
 The way of the data: ``WalkerGeometry`` is measured, ``calibrate_mount`` finds the
 ``WalkerMount``, ``estimate_trajectory`` the path, ``find_steps`` the steps of the
-frame, ``walking_summary`` and the walking tests what they say.
+frame, ``walking_summary`` and the walking tests what they say; ``find_faults`` tells what
+was wrong with the recording.
 """
 
 from mobility_imu.walker.calibration import WalkerCalibration, calibrate_mount
+from mobility_imu.walker.faults import find_faults, find_tilt_faults, valid_samples
 from mobility_imu.walker.geometry import WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, NavigationSettings
@@ -40,10 +42,13 @@ __all__ = [
     "WalkingSummary",
     "calibrate_mount",
     "estimate_trajectory",
+    "find_faults",
     "find_steps",
+    "find_tilt_faults",
     "find_turns",
     "six_minute_walk",
     "ten_metre_walk",
     "timed_up_and_go",
+    "valid_samples",
     "walking_summary",
 ]

@@ -541,7 +541,7 @@ def _footprint_warnings(footprint: tuple[float, float], geometry: WalkerGeometry
     measured = (geometry.footprint_width_m, geometry.footprint_length_m)
     swapped = [abs(f - m) for f, m in zip(footprint, measured[::-1], strict=True)]
     apart = [abs(f - m) for f, m in zip(footprint, measured, strict=True)]
-    other_way = max(apart) > 0.04 and max(swapped) < max(apart) / 2
+    other_way = max(apart) > 0.07 and max(swapped) < max(apart) / 2
     hint = ""
     if other_way:
         hint = (
@@ -553,5 +553,5 @@ def _footprint_warnings(footprint: tuple[float, float], geometry: WalkerGeometry
         for name, found, tape, off in zip(
             ("width", "length"), footprint, measured, apart, strict=True
         )
-        if off > (0.04 if other_way else 0.1)
+        if off > (0.04 if other_way else 0.11)
     ]

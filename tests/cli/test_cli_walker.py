@@ -1,5 +1,7 @@
 """Walking frame on the command line: from tilts to a mount, from a walk to a path and steps."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -29,7 +31,8 @@ def test_from_tilts_to_a_path(tmp_path, works, method):
     path = pd.read_csv(tmp_path / "path.csv")
     truth = pd.read_csv(CORRIDOR / "truth.csv.gz")
     first = ["time_s", "x_m", "y_m", "z_m", "yaw_deg", "stationary"]
-    assert list(path) == [*first, "x_sd_m", "y_sd_m", "z_sd_m", "yaw_sd_deg"]
+    assert list(path) == [*first, "x_sd_m", "y_sd_m", "z_sd_m", "yaw_sd_deg", "valid"]
+    assert (path["valid"] == 1).all()
     assert (path[["x_sd_m", "y_sd_m", "z_sd_m", "yaw_sd_deg"]] >= 0).all(axis=None)
     assert np.hypot(*end_sd(path)) < 0.2
     end = path[["x_m", "y_m"]].iloc[-1] - truth[["x_m", "y_m"]].iloc[-1]
@@ -61,9 +64,10 @@ def test_commands_write_what_the_library_finds(tmp_path, works):
         WalkerMount.from_toml(tmp_path / "m.toml"),
         closed_loop=ClosedLoop(),
     )
-    for name, table in (("path.csv", path), ("steps.csv", find_steps(path))):
+    whole = path.to_frame().assign(valid=1)
+    for name, table in (("path.csv", whole), ("steps.csv", find_steps(path).to_frame())):
         written = tmp_path / name
-        assert written.read_bytes() == csv_bytes(table.to_frame(), written)
+        assert written.read_bytes() == csv_bytes(table, written)
 
 
 def test_options(works, fails):
@@ -153,3 +157,38 @@ def test_geometry_and_walks_that_do_not_serve(tmp_path, fails, saved):
     )
     walk.loc[4000, "frame_gyr_z_radps"] = np.nan
     fails(*trajectory(walk=saved(walk), mount=TRUE_MOUNT), says=["frame_gyr_z", "nan"])
+
+
+def late_gyroscope(table, samples=20):
+    """The recording of a gyroscope that comes late."""
+    axes = [f"frame_gyr_{k}_radps" for k in "xyz"]
+    return table.assign(**{name: table[name].shift(samples) for name in axes}).dropna()
+
+
+def test_a_fault_is_told_with_what_it_costs(tmp_path, works, fails, saved):
+    """A late gyroscope moves every heading: nothing is valid, and --strict refuses."""
+    late = saved(late_gyroscope(pd.read_csv(CORRIDOR / "walk.csv.gz")))
+    said = works(*trajectory(walk=late, mount=TRUE_MOUNT)).stderr
+    assert re.search(r"frame_gyr comes 0\.(19|20|21) ± 0\.01 s later", said)
+    assert "; it moves the place by up to " in said
+    assert (pd.read_csv(tmp_path / "path.csv")["valid"] == 0).all()
+    fails(*trajectory(walk=late, mount=TRUE_MOUNT), "--strict", says=["frame_gyr"])
+
+
+def test_a_fault_in_the_tilts_is_told_in_the_mount(works, fails, saved):
+    scaled = pd.read_csv(CORRIDOR / "tilts.csv.gz")
+    scaled[[f"frame_gyr_{k}_radps" for k in "xyz"]] *= 1.1
+    tilts = saved(scaled)
+    said = works(*calibrate(tilts=tilts)).stderr
+    assert "too much as far as tilts show it" in said and "moves the position of the IMU" in said
+    fails(*calibrate(tilts=tilts), "--strict", says=["frame_gyr reads", "too much"])
+
+
+def test_what_follows_a_frozen_gyroscope_is_not_valid(tmp_path, works, saved):
+    walk = pd.read_csv(CORRIDOR / "walk.csv.gz")
+    axes = [f"frame_gyr_{k}_radps" for k in "xyz"]
+    walk.loc[3000:3400, axes] = walk.loc[3000, axes].to_numpy(float)
+    said = works(*trajectory(walk=saved(walk), mount=TRUE_MOUNT)).stderr
+    assert "what the path does there is not known" in said
+    valid = pd.read_csv(tmp_path / "path.csv")["valid"]
+    assert (valid[:2990] == 1).all() and (valid[3010:] == 0).all()

@@ -1,0 +1,437 @@
+"""Faults that only a walking frame shows: by its rests, by its moves, and by its path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from mobility_imu.faults import Fault, half_of, interpolated, multiplied, with_half
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.health import fault_of
+from mobility_imu.quality import SHORTEST_FROZEN_S, resolution_of
+from mobility_imu.recording import Recording
+from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.walker.rest_checks import (
+    Readings,
+    drift_at_rest,
+    fit_halves,
+    moves_between_rests,
+    rest_rates,
+)
+from mobility_imu.walker.saturation import FARTHEST, bridged_rates
+from mobility_imu.walker.stillness import StillnessSettings, stillness_signals
+
+__all__ = ["LEAST_LAG_S", "LEAST_SCALE", "faults_of_readings", "placed", "with_reach"]
+
+FRAME = "frame"
+BRIDGED_S = 0.3
+"""A frozen half is bridged by a line if it is shorter: a third of a step."""
+MOST_CAPPED, MOST_CUT = 0.05, 0.1
+"""Parts of the cut samples whose curve ends at twice the range, and of all samples that are cut, up
+to which what was cut off counts as known."""
+SOME_CUT = 0.01
+"""Part of the samples at the end of a range from which on the halves are not held against each
+other: what was cut looks like a scale."""
+HELD_STEPS, HELD_MPS2 = 2.0, 0.1
+"""Change of gravity in a sensor's axes that it has to feel: so many steps and so much beyond."""
+UNKNOWN = "; what the path does there is not known, nor its place and heading from there on"
+
+LEAST_LAG_S, LEAST_SCALE = 0.05, 0.04
+"""Smallest lag that is told: the halves of one chip differ by up to 0.01 s (data sheets of their
+low-passes), and of 100 simulated walks without a fault one shows 0.048 s, one 0.028 and the others
+less. Smallest error of the gyroscope's scale that is told: data sheets of cheap sensors allow 3 %,
+and of 100 simulated tilts one shows 3.5 %."""
+SURE_TIMES = 4.0
+"""Lag and scale are told if they are so many standard deviations."""
+SHORTEST_REST_S = 0.5
+ANY_REST_RADPS, FIRST_REST_RADPS, LASTING_RADPS = np.deg2rad([1.0, 0.1, 0.2]).tolist()
+"""Mean rate of a rest against the other rests': of any of at least half a second; of the first,
+from which the path starts; of three that follow each other. On 16 real walks the largest are 0.66,
+0.41 and 0.41 deg/s; with unsteady hands all are large, so that the last two also have to be
+:data:`REST_TIMES` the usual one."""
+REST_TIMES, FEWEST_RESTS = 5.0, 3
+JUMP_RADPS, JUMP_TIMES = float(np.deg2rad(0.1)), 6.0
+"""Difference of the rests' median rates before and after a moment, and how many times its standard
+deviation it has to be. On 16 real walks the largest is 5.0 times."""
+ROLLS_MPS, ROLLS_S = 0.3, 1.5
+"""A frame at rest does not gain so much speed in so short a time, twice. Rocking and landing of 200
+simulated recordings gain up to 0.24 m/s."""
+OFF_GRAVITY_MPS2 = 0.6
+"""Gravity at rest against 9.81: an offset of 60 mg, what data sheets of cheap sensors allow."""
+OFF_TILT_DEG, OFF_SPEED_MPS = 8.0, 1.5
+"""Misfit of a single move that no real walk of 16 has (5.9 deg, 0.9 m/s)."""
+SPIKE_RADPS, SPIKE_MPS2, LEAST_SPIKE_MPS2, SPIKE_TIMES = 0.5, 8.0, 3.0, 8.0
+"""Single readings off both neighbours, which agree, by so much and by so many times the changes
+around them. On 16 real walks the largest are 0.32 rad/s and 3.7 m/s². A smaller one of the
+accelerometer is told if the velocity comes back to zero without it."""
+
+
+def faults_of_readings(
+    recording: Recording, readings: Readings, found: Sequence[Fault]
+) -> list[Fault]:
+    """Faults that the readings show by their rests, other than those that are found already.
+
+    Parameters
+    ----------
+    recording : Recording with a sensor "frame"
+    readings : Readings of its last samples, with their rests
+    found : Fault, of :func:`mobility_imu.health.examine`
+
+    Returns
+    -------
+    list of Fault
+    """
+    checks: list[Iterable[Fault]] = [_spikes(recording, readings, found)]
+    broken = {
+        f.code
+        for f in found
+        if f.code in ("frozen", "dead axis") or (f.code == "range" and f.flags.mean() > SOME_CUT)
+    }
+    held = [] if "frozen" in broken else list(_held(recording, readings))
+    coarse = resolution_of(recording.sensor(FRAME).acc_mps2).all_coarse
+    halves = list(_halves(recording, readings)) if not broken or coarse else []
+    late = [fault for fault in halves if fault.code == "lag"]
+    if late:
+        held = []
+    checks.append(halves if not broken and not held else late)
+    checks.append(_gravity(recording, readings))
+    told = held + [fault for check in checks for fault in check]
+    if broken:  # what else is odd comes from that
+        return told
+    told += _turning_rests(recording, readings)
+    if "offset" not in {fault.code for fault in told}:
+        told += _rolling_rests(recording, readings)
+    if not told:
+        told += _misfits(recording, readings)
+    return told
+
+
+def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings) -> Fault:
+    """Fault of a frozen half as the path sees it: bridged where the frame rests, else unknown.
+
+    Parameters
+    ----------
+    fault : Fault of :func:`mobility_imu.health.examine`
+    recording : Recording
+    stillness : StillnessSettings
+
+    Returns
+    -------
+    Fault; one of another kind as it was
+    """
+    if fault.code == "dead axis":
+        return replace(fault, sentence=fault.sentence + UNKNOWN)
+    if fault.code == "range":
+        half = fault.sensor.removeprefix(f"{FRAME}_")
+        undone, known = _with_peaks(half_of(recording, FRAME, half), fault.flags)
+        if known:
+            return replace(fault, repair=partial(with_half, sensor=FRAME, half=half, values=undone))
+        return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
+    if fault.code != "frozen":
+        return fault
+    imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
+    rates = recording.gyroscope(FRAME)
+    turns, shakes = stillness_signals(
+        imu.acc_mps2, rates - np.median(rates, axis=0), rate_hz, stillness
+    )
+    moves = (
+        shakes > stillness.acc_deviation_mps2
+        if fault.sensor.endswith("gyr")
+        else turns > stillness.rate_radps
+    )
+    longest = max(run.stop - run.start for run in runs_of(fault.flags)) / rate_hz
+    if longest <= BRIDGED_S or not (moves & fault.flags).any():
+        return fault
+    return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
+
+
+def _with_peaks(values: FloatArray, flags: NDArray[np.bool_]) -> tuple[FloatArray, bool]:
+    """Readings with a curve over each cut, and whether the curves stay below twice the range.
+
+    The spline goes on as the readings beside a cut rise and fall.
+    """
+    undone, known = np.array(values), True
+    for k, axis in enumerate(values.T):
+        limit = float(np.abs(axis[flags]).max(initial=0.0))
+        cut = long_runs(flags & (np.abs(axis) == limit), 2, grow=False)
+        if not cut.any():
+            continue
+        below = np.nextafter(limit, 0.0)
+        bridged, _ = bridged_rates(
+            np.where(cut, axis, np.clip(axis, -below, below))[:, None], below
+        )
+        undone[cut, k] = bridged[cut, 0]
+        capped = np.abs(bridged[cut, 0]) >= (FARTHEST - 0.01) * limit
+        known &= bool(capped.mean() < MOST_CAPPED and cut.mean() < MOST_CUT)
+    return undone, known
+
+
+def placed(flags: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
+    """Flags of a recording from those of its last samples.
+
+    Parameters
+    ----------
+    flags : (n,) bool array
+    count : samples of the recording
+    """
+    return np.asarray(np.r_[np.zeros(count - len(flags), np.bool_), flags])
+
+
+def _halves(recording: Recording, readings: Readings) -> Iterator[Fault]:
+    """Signs, lag and scale of the gyroscope against the accelerometer."""
+    fit, whole = fit_halves(readings), np.ones(len(recording), np.bool_)
+    label = f"{FRAME}_gyr"
+    if not fit.seen:
+        return
+    if (fit.signs < 0).any():
+        bad = [axis for axis, sign in zip("xyz", fit.signs, strict=True) if sign < 0]
+        what = "the gyroscope" if len(bad) == 3 else f"axis {', '.join(bad)} of the gyroscope"
+        yield fault_of(
+            recording, "reversed", label, whole,
+            f"turns the other way than gravity shows from rest to rest: {what} has the wrong sign, "
+            "or the accelerometer has; check the export's axes",
+            repair=partial(multiplied, sensor=FRAME, half="gyr", factors=fit.signs),
+        )  # fmt: skip
+        return
+    if abs(fit.lag_s) > max(LEAST_LAG_S, SURE_TIMES * fit.lag_sd_s):
+        way = "later" if fit.lag_s > 0 else "earlier"
+        yield fault_of(
+            recording, "lag", label, whole,
+            f"comes {abs(fit.lag_s):.2f} ± {fit.lag_sd_s:.2f} s {way} than the accelerometer, as "
+            "the rests show; read both halves with one clock",
+            size=fit.lag_s, unit="s", repair=partial(_gyroscope_earlier, lag_s=fit.lag_s),
+        )  # fmt: skip
+    off = 1 / fit.scale - 1
+    if abs(off) > LEAST_SCALE and abs(fit.scale - 1) > SURE_TIMES * fit.scale_sd:
+        yield fault_of(
+            recording, "scale", label, whole,
+            f"reads {abs(100 * off):.0f} ± {100 * fit.scale_sd:.0f} % too "
+            f"{'much' if off > 0 else 'little'} as far as tilts show it, and about the vertical, "
+            "where nothing shows it, probably as well; calibrate it, or use another sensor",
+            size=off, unit="1", repair=partial(_rates_scaled, factor=fit.scale),
+        )  # fmt: skip
+
+
+def _held(recording: Recording, readings: Readings) -> Iterator[Fault]:
+    """An accelerometer in coarse steps that repeats itself while the gyroscope turns gravity."""
+    imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
+    same = np.r_[False, (np.diff(imu.acc_mps2, axis=0) == 0).all(axis=1)]
+    same = long_runs(same, max(2, round(SHORTEST_FROZEN_S * rate_hz) - 1), grow=True)
+    if not same.any():
+        return
+    rates = recording.gyroscope(FRAME) - readings.offset()
+    felt = np.cumsum(-np.cross(rates, imu.acc_mps2) / rate_hz, axis=0)
+    step = float(resolution_of(imu.acc_mps2, skip=same).step.max())
+    flags = np.zeros(len(recording), np.bool_)
+    for run in runs_of(same):
+        flags[run] = np.ptp(felt[run], axis=0).max() > HELD_STEPS * step + HELD_MPS2
+    if flags.any():
+        fault = fault_of(
+            recording, "frozen", f"{FRAME}_acc", flags,
+            "repeats its last reading while the gyroscope turns; leave these times out, or record "
+            "again", size=float(flags.sum() / rate_hz), unit="s",
+            repair=partial(interpolated, sensor=FRAME, half="acc", flags=flags),
+        )  # fmt: skip
+        yield with_reach(fault, recording, StillnessSettings())
+
+
+def _gyroscope_earlier(recording: Recording, lag_s: float) -> Recording:
+    """Recording in which the gyroscope's readings come earlier by a lag; its ends are held."""
+    time_s, rates = recording.time_s, recording.gyroscope(FRAME)
+    moved = [np.interp(time_s + lag_s, time_s, axis) for axis in rates.T]
+    return with_half(recording, FRAME, "gyr", np.column_stack(moved))
+
+
+def _rates_scaled(recording: Recording, factor: float) -> Recording:
+    """Recording with rates times a factor about their median, which is the offset of most."""
+    rates = recording.gyroscope(FRAME)
+    offset = np.median(rates, axis=0)
+    return with_half(recording, FRAME, "gyr", offset + factor * (rates - offset))
+
+
+def _gravity(recording: Recording, readings: Readings) -> Iterator[Fault]:
+    """An accelerometer that reads another gravity than the earth's."""
+    means = [readings.acc_mps2[rest].mean(axis=0) for rest in runs_of(readings.still)]
+    size = float(np.median(np.linalg.norm(means, axis=1)))
+    if abs(size - STANDARD_GRAVITY_MPS2) <= OFF_GRAVITY_MPS2:
+        return
+    factor = STANDARD_GRAVITY_MPS2 / size
+    yield fault_of(
+        recording, "gravity", f"{FRAME}_acc", np.ones(len(recording), np.bool_),
+        f"reads {size:.2f} m/s² at rest, expected {STANDARD_GRAVITY_MPS2:.2f}: its scale or its "
+        "offset is wrong; lengths are wrong by as much if it is the scale",
+        size=size - STANDARD_GRAVITY_MPS2, unit="m/s²",
+        repair=partial(multiplied, sensor=FRAME, half="acc", factors=factor),
+    )  # fmt: skip
+
+
+def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
+    """Rests in which the gyroscope reads another offset than in the others."""
+    rests, off = rest_rates(readings, SHORTEST_REST_S)
+    if len(rests) < FEWEST_RESTS:
+        return
+    size = np.linalg.norm(off, axis=1)
+    lasting = np.linalg.norm(ndimage.median_filter(off, (3, 1), mode="nearest"), axis=1)
+    usual = REST_TIMES * float(np.median(size))
+    first = size[0] > max(FIRST_REST_RADPS, usual)
+    bad = (size > ANY_REST_RADPS) | (lasting > max(LASTING_RADPS, usual))
+    bad[0] |= first
+    jump = _jump_at(off)
+    if jump:
+        bad[jump:] = True
+    if not bad.any():
+        return
+    flags = np.zeros(len(readings.time_s), np.bool_)
+    for rest, is_bad in zip(rests, bad, strict=True):
+        flags[rest] |= is_bad
+    flags, largest = placed(flags, len(recording)), float(np.rad2deg(size[bad].max()))
+    if jump:
+        apart = np.median(off[:jump], axis=0) - np.median(off[jump:], axis=0)
+        largest = float(np.rad2deg(np.linalg.norm(apart)))
+        when = (readings.time_s[rests[jump - 1].stop - 1] + readings.time_s[rests[jump].start]) / 2
+        what = (
+            f"reads {largest:.2f} deg/s more at rest from {when:.1f} s on than before: its offset "
+            "jumps"
+        )
+        since = recording.time_s >= when
+        repair = partial(_rates_off, flags=since, rate_radps=-apart)
+    elif first and not bad[1:].any():
+        what = (
+            f"reads {largest:.1f} deg/s more in the first rest than in the others: the frame moves "
+            "where rest was promised, and this passes for the gyroscope's offset"
+        )
+        repair = partial(_rates_off, flags=flags, rate_radps=off[0])
+    else:
+        what = (
+            f"reads up to {largest:.1f} deg/s more at rest than in most rests: its offset changes, "
+            "or the frame is turned where it counts as still"
+        )
+        middles = np.array([readings.time_s[rest].mean() for rest in rests])
+        repair = partial(_offsets_off, middles_s=middles, offsets=off)
+    label = f"{FRAME}_gyr"
+    yield fault_of(
+        recording, "offset", label, flags, what, size=largest, unit="deg/s", repair=repair
+    )
+
+
+def _jump_at(off: FloatArray) -> int:
+    """First rest after a jump of the offset; 0 if there is none."""
+    if len(off) < 2 * FEWEST_RESTS:
+        return 0
+    scatter = 1.48 * np.median(np.abs(np.diff(off, axis=0)), axis=0) / np.sqrt(2)
+    best, at = JUMP_TIMES, 0
+    for k in range(FEWEST_RESTS, len(off) - FEWEST_RESTS + 1):
+        apart = np.abs(np.median(off[:k], axis=0) - np.median(off[k:], axis=0))
+        sd = 1.25 * np.maximum(scatter, 1e-6) * np.sqrt(1 / k + 1 / (len(off) - k))
+        times = float((apart / sd).max())
+        if times > best and np.linalg.norm(apart) > JUMP_RADPS:
+            best, at = times, k
+    return at
+
+
+def _rates_off(recording: Recording, flags: NDArray[np.bool_], rate_radps: FloatArray) -> Recording:
+    """Recording with a rate taken off where the flags say so."""
+    rates = recording.gyroscope(FRAME) - np.outer(flags, rate_radps)
+    return with_half(recording, FRAME, "gyr", rates)
+
+
+def _offsets_off(recording: Recording, middles_s: FloatArray, offsets: FloatArray) -> Recording:
+    """Recording without offsets that are lines from rest to rest."""
+    off = [np.interp(recording.time_s, middles_s, axis) for axis in offsets.T]
+    return with_half(recording, FRAME, "gyr", recording.gyroscope(FRAME) - np.column_stack(off))
+
+
+def _rolling_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
+    """Rests in which the frame gains speed."""
+    flags, largest, often = np.zeros(len(readings.time_s), np.bool_), 0.0, 0
+    for rest, gained in drift_at_rest(readings, ROLLS_S):
+        if gained.max() > ROLLS_MPS:
+            flags[rest], largest = True, max(largest, float(gained.max()))
+            often += len(runs_of(gained > ROLLS_MPS))
+    if often > 1:
+        yield fault_of(
+            recording, "rolls", FRAME, placed(flags, len(recording)),
+            f"counts as still, but gains up to {largest:.2g} m/s within {ROLLS_S:g} s, {often} "
+            "times: a frame that is rolled smoothly passes for still, and the way that it rolls "
+            "there is lost; this method follows a frame that is lifted and set down",
+            size=largest, unit="m/s",
+        )  # fmt: skip
+
+
+def _misfits(recording: Recording, readings: Readings) -> Iterator[Fault]:
+    """Moves after which both halves are far apart."""
+    moves = moves_between_rests(readings)
+    bad = (moves.tilt_deg > OFF_TILT_DEG) | (moves.speed_mps > OFF_SPEED_MPS)
+    if not bad.any():
+        return
+    flags = np.zeros(len(readings.time_s), np.bool_)
+    for span, is_bad in zip(moves.spans, bad, strict=True):
+        flags[span] |= is_bad
+    yield fault_of(
+        recording, "at odds", FRAME, placed(flags, len(recording)),
+        f"does not fit together from rest to rest ({int(bad.sum())} times): gravity is up to "
+        f"{moves.tilt_deg.max():.1f} deg off the gyroscope's, and a velocity of up to "
+        f"{moves.speed_mps.max():.2g} m/s is left where the frame stands" + UNKNOWN,
+        size=float(moves.tilt_deg.max()), unit="deg",
+    )  # fmt: skip
+
+
+def _spikes(recording: Recording, readings: Readings, found: Sequence[Fault]) -> Iterator[Fault]:
+    """Single readings that are smaller than those that any recording is examined for."""
+    count = len(recording)
+    for half, unit in (("acc", "m/s²"), ("gyr", "rad/s")):
+        label = f"{FRAME}_{half}"
+        known = np.zeros(count, np.bool_)
+        for fault in found:
+            if fault.sensor.startswith(label):
+                known |= fault.flags
+        if known.all():
+            continue
+        size = _alone(half_of(recording, FRAME, half)) * ~known
+        far = size > (SPIKE_MPS2 if half == "acc" else SPIKE_RADPS)
+        if half == "acc":
+            far |= placed(_explaining(readings, size[-len(readings.time_s) :]), count)
+        if far.any():
+            yield fault_of(
+                recording, "spike", label, far,
+                f"jumps for single samples (by {size[far].max():.3g} {unit} at most), which no "
+                "frame does; remove them", size=float(size[far].max()), unit=unit,
+                repair=partial(interpolated, sensor=FRAME, half=half, flags=far),
+            )  # fmt: skip
+
+
+def _alone(values: FloatArray) -> FloatArray:
+    """By how much each reading is off both neighbours, where these agree; else 0."""
+    size = np.zeros(len(values))
+    if len(values) < 5:
+        return size
+    step = np.diff(values, axis=0)
+    up, down = step[:-1], step[1:]
+    off = np.minimum(np.abs(up), np.abs(down))
+    usual = ndimage.median_filter(np.abs(step), (11, 1))[1:]
+    alone = (np.sign(up) != np.sign(down)) & (np.abs(up + down) < 0.25 * off)
+    size[1:-1] = np.where(alone & (off > SPIKE_TIMES * usual), off, 0.0).max(axis=1)
+    return size
+
+
+def _explaining(readings: Readings, size: FloatArray) -> NDArray[np.bool_]:
+    """Readings without which the velocity after their move comes back to zero."""
+    far = size > LEAST_SPIKE_MPS2
+    if not far.any():
+        return far
+    index = np.arange(len(size))
+    acc = np.column_stack([np.interp(index, index[~far], a[~far]) for a in readings.acc_mps2.T])
+    before, after = (
+        moves_between_rests(each) for each in (readings, readings._replace(acc_mps2=acc))
+    )
+    usual = float(np.median(after.speed_mps)) if after.spans else np.inf
+    sure = np.zeros(len(size), np.bool_)
+    for span, was, now in zip(before.spans, before.speed_mps, after.speed_mps, strict=True):
+        if was > 3 * usual and now < 0.5 * was:
+            sure[span] = True
+    return far & sure

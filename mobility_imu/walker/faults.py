@@ -1,0 +1,296 @@
+"""What is wrong with a recording of a walking frame, and what it costs in the path.
+
+One IMU has no second sensor beside it. What shows its faults are its own halves, which have to fit
+together from rest to rest, and the frame itself, which stands between its moves, is lifted and goes
+forward. In principle not seen: a gyroscope's scale about the vertical. With rates (1 + e) w about
+the vertical at rest and in level moves, gravity's direction, the return of the velocity to zero and
+the height stay as they are: the path is turned by e times the angle that was turned, and nothing in
+the recording changes. An accelerometer's scale along horizontal axes is not seen either: it
+multiplies the velocity, and zero stays zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mobility_imu.arguments import expect, settings_or_default
+from mobility_imu.errors import InputError
+from mobility_imu.faults import Fault, with_costs
+from mobility_imu.frames import FloatArray
+from mobility_imu.health import examine
+from mobility_imu.recording import Recording
+from mobility_imu.walker.calibration import Method, WalkerCalibration, calibrate_from_path
+from mobility_imu.walker.fault_checks import FRAME, faults_of_readings, with_reach
+from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
+from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
+from mobility_imu.walker.path_checks import (
+    FAR_WORDS,
+    LEAN_WORDS,
+    LONG_MOVE_WORDS,
+    ODDS_WORDS,
+    POSES_WORDS,
+    START_WORDS,
+    faults_of_path,
+    faults_of_tilts,
+)
+from mobility_imu.walker.rest_checks import Readings
+from mobility_imu.walker.stillness import StillnessSettings
+from mobility_imu.walker.tilt_equations import Form
+from mobility_imu.walker.trajectory import Trajectory, estimate_trajectory
+
+__all__ = ["find_faults", "find_tilt_faults", "not_told", "valid_samples"]
+
+_ANGLES = np.pi * np.arange(12) / 12
+_COURSES = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)])
+"""Directions on the floor; the longest shadow of a vector on one of them is 99 % of its length."""
+
+NEGLIGIBLE = {"m": 1e-3, "deg": 0.01}
+"""A range whose end costs less is not told: a sensor with coarse steps repeats its largest value by
+chance."""
+SAID = {
+    "range": ("is saturated in",),
+    "frozen": ("readings repeat themselves",),
+    "start": (START_WORDS,),
+    "turned": (LEAN_WORDS, "the frame went backward"),
+    "no rest": (LONG_MOVE_WORDS,),
+    "at odds": (ODDS_WORDS,),
+    "mount": (FAR_WORDS,),
+    "poses": POSES_WORDS,
+}
+"""Words of the warnings of a result that say the same as a fault of the kind."""
+
+
+def find_faults(
+    recording: Recording,
+    geometry: WalkerGeometry | None,
+    mount: WalkerMount,
+    settings: NavigationSettings | None = None,
+    *,
+    stillness: StillnessSettings | None = None,
+    smooth: bool = True,
+    closed_loop: ClosedLoop | None = None,
+    rests: ArrayLike | None = None,
+) -> tuple[Fault, ...]:
+    """Look for what is wrong with the recording of a walk, and what it costs.
+
+    The costs are by how far the path ("place", m) and its heading ("heading", deg) move if the
+    fault is undone as well as can be. Where nothing can undo it, none is stated.
+
+    Parameters
+    ----------
+    recording, geometry, mount, settings, stillness, smooth, closed_loop, rests : as in
+        :func:`mobility_imu.walker.estimate_trajectory`
+
+    Returns
+    -------
+    tuple of Fault; of a recording that no path can be found from, those of its sensors alone
+
+    Raises
+    ------
+    InputError
+        If the recording has no sensor "frame" with gyroscope.
+    """
+    expect("recording", recording, Recording)
+    expect("geometry", geometry, WalkerGeometry, none=True)
+    expect("mount", mount, WalkerMount)
+    stillness = settings_or_default("stillness", stillness, StillnessSettings)
+    recording.sensor(FRAME, gyroscope=True)
+    path_of = partial(
+        estimate_trajectory,
+        geometry=geometry,
+        mount=mount,
+        settings=settings,
+        stillness=stillness,
+        smooth=smooth,
+        closed_loop=closed_loop,
+        rests=rests,
+    )
+    found = [with_reach(fault, recording, stillness) for fault in examine(recording)]
+    try:
+        path = path_of(recording)
+    except InputError:
+        return tuple(found)
+    readings = _readings(recording, path.time_s, path.stationary)
+    found = _with_readings(found, faults_of_readings(recording, readings, found))
+    found += faults_of_path(recording, path, mount, found)
+
+    def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
+        return _path_series(path if changed is recording else path_of(changed), len(recording))
+
+    return tuple(f for f in with_costs(found, recording, series) if not _negligible(f))
+
+
+def find_tilt_faults(
+    recording: Recording,
+    geometry: WalkerGeometry,
+    *,
+    method: Method = "all-samples",
+    form: Form = "corrected",
+    smooth: bool = True,
+    order: Sequence[TiltDirection] = TILT_DIRECTIONS,
+    settings: NavigationSettings | None = None,
+    stillness: StillnessSettings | None = None,
+) -> tuple[Fault, ...]:
+    """Look for what is wrong with the recording of the tilts, and what it costs in the mount.
+
+    The costs are by how far the IMU's position ("position of the IMU", m) and its axes ("turn of
+    the IMU", deg) move if the fault is undone.
+
+    Parameters
+    ----------
+    recording, geometry, method, form, smooth, order, settings, stillness : as in
+        :func:`mobility_imu.walker.calibrate_mount`
+
+    Returns
+    -------
+    tuple of Fault; of a recording that no mount can be found from, those of its sensors alone
+
+    Raises
+    ------
+    InputError
+        If the recording has no sensor "frame" with gyroscope.
+    """
+    expect("recording", recording, Recording)
+    expect("geometry", geometry, WalkerGeometry)
+    stillness = settings_or_default("stillness", stillness, StillnessSettings)
+    recording.sensor(FRAME, gyroscope=True)
+    found = [with_reach(fault, recording, stillness) for fault in examine(recording)]
+
+    def mount_of(changed: Recording) -> tuple[Navigation, WalkerCalibration]:
+        path, warnings = navigate_recording(
+            changed, smooth=smooth, settings=settings, stillness=stillness
+        )
+        return path, calibrate_from_path(
+            path,
+            geometry,
+            method=method,
+            form=form,
+            order=order,
+            settings=settings,
+            stillness=stillness,
+            warnings=warnings,
+        )
+
+    try:
+        path, stated = mount_of(recording)
+    except InputError:
+        return tuple(found)
+    readings = _readings(recording, path.time_s, path.still)
+    found = _with_readings(found, faults_of_readings(recording, readings, found))
+    found += faults_of_tilts(recording, stated.warnings, len(path.time_s))
+
+    def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
+        return _mount_series(stated if changed is recording else mount_of(changed)[1])
+
+    return tuple(f for f in with_costs(found, recording, series) if not _negligible(f))
+
+
+def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool_]:
+    """Samples of a path that no fault touches.
+
+    A rest brings velocity and tilt back, never place and heading. So a fault that nothing can undo,
+    or that moves place or heading by more than their stated standard deviations at the end, leaves
+    everything from its first sample on not valid. One that costs less touches its own samples, or
+    none if it lasts throughout.
+
+    Parameters
+    ----------
+    found : Trajectory
+    faults : Fault, of :func:`find_faults` for its recording
+
+    Returns
+    -------
+    (n,) bool array, one flag for each sample of the path
+    """
+    expect("found", found, Trajectory)
+    valid = np.ones(len(found), np.bool_)
+    sds = {
+        "place": float(found.horizontal_sd_m[-1]),
+        "heading": float(np.rad2deg(found.yaw_sd_rad[-1])),
+    }
+    faults = [fault for fault in faults if fault.code != "start"]
+    causes = [fault for fault in faults if fault.code != "at odds"]
+    for fault in causes or faults:
+        touched = fault.flags[-len(found) :].copy()
+        lasting = not fault.costs or any(
+            cost.largest > sds.get(cost.name, np.inf) for cost in fault.costs
+        )
+        if lasting and touched.any():
+            touched[int(np.argmax(touched)) :] = True
+        if lasting or not touched.all():
+            valid &= ~touched
+    return valid
+
+
+def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
+    """Warnings of a result that no fault says already.
+
+    Parameters
+    ----------
+    warnings : sentences of a Trajectory or a WalkerCalibration
+    faults : Fault, of :func:`find_faults` or :func:`find_tilt_faults`
+
+    Returns
+    -------
+    list of str
+    """
+    known = [words for fault in faults for words in SAID.get(fault.code, ())]
+    return [text for text in warnings if not any(words in text for words in known)]
+
+
+def _with_readings(found: list[Fault], more: list[Fault]) -> list[Fault]:
+    """Faults together; a late half also looks like wrong signs, and like a frozen accelerometer."""
+    codes = {fault.code for fault in more}
+    if "lag" in codes:
+        found = [f for f in found if (f.code, f.sensor) != ("frozen", f"{FRAME}_acc")]
+    if codes & {"lag", "reversed"}:
+        found = [fault for fault in found if fault.code != "reversed"]
+    return found + more
+
+
+def _negligible(fault: Fault) -> bool:
+    """Whether a cut range costs so little that it may as well be a reading's rounding."""
+    return (
+        fault.code == "range"
+        and fault.repair is not None
+        and all(cost.largest < NEGLIGIBLE.get(cost.unit, 0.0) for cost in fault.costs)
+    )
+
+
+def _readings(recording: Recording, time_s: FloatArray, still: NDArray[np.bool_]) -> Readings:
+    """Readings from a path's first sample on."""
+    imu, count = recording.sensor(FRAME), len(time_s)
+    rates = recording.gyroscope(FRAME)[-count:]
+    return Readings(time_s, imu.acc_mps2[-count:], rates, still)
+
+
+def _path_series(path: Trajectory, count: int) -> dict[tuple[str, str], FloatArray]:
+    """Shadows of the place on directions all around, and the heading, for each sample."""
+    place = np.column_stack([path.position_m[:, :2] @ _COURSES, path.position_m[:, 2]])
+    heading = np.rad2deg(path.yaw_rad)
+    return {
+        ("place", "m"): _later(place, count),
+        ("heading", "deg"): _later(heading, count),
+    }
+
+
+def _later(values: FloatArray, count: int) -> FloatArray:
+    """Series of a recording's last samples, NaN before them."""
+    whole = np.full((count, *values.shape[1:]), np.nan)
+    whole[count - len(values) :] = values
+    return whole
+
+
+def _mount_series(found: WalkerCalibration) -> dict[tuple[str, str], Any]:
+    """Position, and axes as angles, of a mount."""
+    return {
+        ("position of the IMU", "m"): found.mount.translation_body_m,
+        ("turn of the IMU", "deg"): np.rad2deg(found.mount.rotation_imu_to_body),
+    }

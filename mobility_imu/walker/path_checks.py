@@ -1,0 +1,201 @@
+"""Faults that a path shows: of its start, its mount, its moves, and what it follows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mobility_imu.errors import InputError
+from mobility_imu.faults import Fault, with_readings
+from mobility_imu.frames import FloatArray
+from mobility_imu.health import fault_of
+from mobility_imu.recording import Recording
+from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.walker.fault_checks import FRAME, placed
+from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.steps import find_steps
+from mobility_imu.walker.trajectory import Trajectory
+
+__all__ = ["faults_of_path", "faults_of_tilts"]
+
+FOOT_DEG = 25.0
+"""A frame that is walked with is pitched by 10 deg or less (on 16 real walks by 3); a foot swings
+by 30 to 75."""
+LONGEST_STEP_M, LONG_STEPS = 0.8, 2
+"""Nobody sets a frame down further ahead than an arm reaches."""
+ASIDE_DEG, FEWEST_STEPS, LEAST_STEP_M, LEAST_WAY_M = 4.0, 5, 0.1, 2.0
+"""Steps go forward: on 16 real walks the way goes within 2.6 deg of it."""
+LONG_MOVE_WORDS, START_WORDS = "no rest for more than", "the frame moves at the start"
+LEAN_WORDS, ODDS_WORDS = "the frame leans by", "as far from what the filter expects"
+FAR_WORDS = "far off a frame"
+BROKEN = {"frozen", "dead axis", "reversed"}
+POSES_WORDS = ("the footprint's", "the tilts went")
+
+
+def faults_of_path(
+    recording: Recording, found: Trajectory, mount: WalkerMount, known: Sequence[Fault] = ()
+) -> list[Fault]:
+    """Faults that a path shows: of its start, its mount, its moves, and what it follows.
+
+    Parameters
+    ----------
+    recording : Recording that it is of
+    found : Trajectory, whose warnings become sentences of faults
+    mount : WalkerMount that it was found with
+    known : Fault, of the readings: a path from a broken sensor shows no mount and no manner
+
+    Returns
+    -------
+    list of Fault
+    """
+    count, late = len(recording), len(recording) - len(found)
+    whole = np.ones(count, np.bool_)
+    told = []
+    for text in found.warnings:
+        said = text if text.startswith(f"{recording.source}: ") else f"{recording.source}: {text}"
+        if START_WORDS in text:
+            told.append(_stated("start", np.arange(count) < late, said, recording))
+        elif LEAN_WORDS in text:
+            told.append(_leaning(recording, found, mount, said))
+        elif LONG_MOVE_WORDS in text:
+            told.append(_stated("no rest", placed(_long_moves(found), count), said, recording))
+        elif ODDS_WORDS in text:
+            told.append(_stated("at odds", placed(found.stationary, count), said, recording))
+        elif FAR_WORDS in text:
+            told.append(_stated("mount", whole, said, recording))
+    if {fault.code for fault in known} & BROKEN:
+        return told
+    if found.settings.zero_rate:  # settings of a foot are without
+        told += _foot(recording, found)
+    if not {fault.code for fault in told} & {"foot", "no rest"}:
+        told += _far_steps(recording, found)
+    if not {fault.code for fault in told} & {"foot", "no rest", "rolls"}:
+        told += _aside(recording, found, mount)
+    return told
+
+
+def faults_of_tilts(recording: Recording, warnings: Sequence[str], count: int) -> list[Fault]:
+    """Faults of a recording of tilts that its calibration warns of.
+
+    Parameters
+    ----------
+    recording : Recording
+    warnings : of the calibration
+    count : samples of its path, the last ones of the recording
+
+    Returns
+    -------
+    list of Fault: a start that moves, rests at odds with the filter, tilts that do not fit
+    """
+    whole = np.ones(len(recording), np.bool_)
+    told = []
+    for text in warnings:
+        said = text if text.startswith(f"{recording.source}: ") else f"{recording.source}: {text}"
+        if START_WORDS in text:
+            flags = np.arange(len(recording)) < len(recording) - count
+            told.append(_stated("start", flags, said, recording))
+        elif ODDS_WORDS in text:
+            told.append(_stated("at odds", whole, said, recording))
+        elif any(words in text for words in POSES_WORDS):
+            told.append(_stated("poses", whole, said, recording))
+    return told
+
+
+def _stated(code: str, flags: NDArray[np.bool_], sentence: str, recording: Recording) -> Fault:
+    first = float(recording.time_s[int(np.argmax(flags))])
+    return Fault(code, FRAME, first, flags, sentence)
+
+
+def _readings_turned(recording: Recording, turn: FloatArray) -> Recording:
+    """Recording with both halves turned."""
+    imu = recording.sensor(FRAME)
+    rates = recording.gyroscope(FRAME) @ turn.T
+    return with_readings(recording, FRAME, acc_mps2=imu.acc_mps2 @ turn.T, gyr_radps=rates)
+
+
+def _long_moves(found: Trajectory) -> NDArray[np.bool_]:
+    step_s = float(np.median(np.diff(found.time_s)))
+    count = int(found.settings.longest_move_s / step_s) + 1
+    return long_runs(~found.stationary, count, grow=False)
+
+
+def _leaning(recording: Recording, found: Trajectory, mount: WalkerMount, said: str) -> Fault:
+    """Mount by which the standing frame leans; undone by turning the readings upright."""
+    acc = recording.sensor(FRAME).acc_mps2[-len(found) :]
+    force = acc[runs_of(found.stationary)[0]].mean(axis=0)
+    up, level = force / np.linalg.norm(force), mount.rotation_imu_to_body[2]
+    turn = _turn_between(up, level)
+    lean = float(np.rad2deg(np.arccos(np.clip(up @ level, -1, 1))))
+    fault = _stated("turned", np.ones(len(recording), np.bool_), said, recording)
+    return replace(fault, size=lean, unit="deg", repair=partial(_readings_turned, turn=turn))
+
+
+def _turn_between(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Shortest turn from one unit vector to another, (3, 3)."""
+    axis, cosine = np.cross(first, second), float(first @ second)
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + cross + cross @ cross / (1 + cosine))
+
+
+def _foot(recording: Recording, found: Trajectory) -> Iterator[Fault]:
+    """Tilts that no frame makes."""
+    upright = found.rotation_body_to_world[:, 2, 2]
+    flags = upright < np.cos(np.deg2rad(FOOT_DEG))
+    if flags.any():
+        largest = float(np.rad2deg(np.arccos(np.clip(upright.min(), -1, 1))))
+        yield fault_of(
+            recording, "foot", FRAME, placed(flags, len(recording)),
+            f"tilts by up to {largest:.0f} deg, {len(runs_of(flags))} times, which no walking "
+            "frame does: is the sensor on a foot or in a hand, or did the frame fall? The path is "
+            "that of something else (Python: NavigationSettings.for_foot)",
+            size=largest, unit="deg",
+        )  # fmt: skip
+
+
+def _far_steps(recording: Recording, found: Trajectory) -> Iterator[Fault]:
+    """Moves from stand to stand that are too far for a frame that is set down."""
+    flags, longest, often = np.zeros(len(found), np.bool_), 0.0, 0
+    for move in runs_of(~found.stationary):
+        way = found.position_m[min(move.stop, len(found) - 1)] - found.position_m[move.start]
+        length = float(np.hypot(*way[:2]))
+        if length > LONGEST_STEP_M:
+            flags[move], longest, often = True, max(longest, length), often + 1
+    if often >= LONG_STEPS:
+        yield fault_of(
+            recording, "rolls", FRAME, placed(flags, len(recording)),
+            f"moves by up to {longest:.2g} m from stand to stand, {often} times by more than "
+            f"{LONGEST_STEP_M:g} m: is it rolled, or is the sensor on a foot? This method follows "
+            "a frame that is lifted and set down", size=longest, unit="m",
+        )  # fmt: skip
+
+
+def _aside(recording: Recording, found: Trajectory, mount: WalkerMount) -> Iterator[Fault]:
+    """Steps that go aside or backward: the mount is turned about the vertical."""
+    try:
+        steps = find_steps(found)
+    except InputError:
+        return
+    far = steps.length_m > LEAST_STEP_M
+    if np.count_nonzero(far) < FEWEST_STEPS:
+        return
+    heading = np.interp(steps.lift_s, found.time_s, found.yaw_rad)
+    # Vectors, not courses: who places one step aside corrects it with the next.
+    way = (steps.length_m * np.exp(1j * (steps.direction_rad - heading)))[far]
+    middle = float(np.rad2deg(np.angle(way.sum())))
+    if abs(middle) < ASIDE_DEG or abs(way.sum()) < LEAST_WAY_M:
+        return
+    c, s = np.cos(np.deg2rad(middle)), np.sin(np.deg2rad(middle))
+    about = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    turn = mount.rotation_imu_to_body.T @ about @ mount.rotation_imu_to_body
+    yield fault_of(
+        recording, "turned", FRAME, np.ones(len(recording), np.bool_),
+        f"steps {abs(middle):.0f} deg to the {'left' if middle > 0 else 'right'} of its "
+        "forward axis: has the IMU been turned since it was calibrated, or was it calibrated with "
+        "tilts in another order than stated?",
+        size=middle, unit="deg", repair=partial(_readings_turned, turn=turn),
+    )  # fmt: skip

@@ -1,0 +1,397 @@
+"""What the two halves of an IMU say of each other from rest to rest.
+
+A frame that stands shows gravity to its accelerometer and its offset to its gyroscope. Between two
+rests three things are known without any other sensor: gravity's direction turns as the gyroscope
+says, the velocity comes back to zero, and the height to the floor. What is left over is a misfit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import pairwise, product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
+
+from mobility_imu.frames import FloatArray
+from mobility_imu.rotations import cross_matrix
+from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.walker.geometry import rotation_world_to_imu
+
+__all__ = [
+    "HalvesFit",
+    "Moves",
+    "Readings",
+    "drift_at_rest",
+    "fit_halves",
+    "moves_between_rests",
+    "rest_rates",
+]
+
+GRAVITY_S = 0.5
+"""Longest part of a rest, next to a move, that gravity is averaged over."""
+LONGEST_MOVE_S = 5.0
+"""Beyond this the offsets of both halves add up to more than the misfits are good for."""
+SIZES = np.array([0.02, 0.02, 0.02, 0.2, 0.2, 0.005])
+"""Usual misfits of a frame that is lifted and set down (m/s, deg, m): simulated, "realistic"."""
+BACK_RAD = float(np.deg2rad(2.0))
+"""Gravity's directions before and after a move are nearer if the frame stands on its tips again."""
+LARGEST_LAG_S = 1.0
+LAG_STEP_S = 0.1
+FITS = 0.3
+"""A lag that brings the misfits below this part of those without a gyroscope needs no scale."""
+SCALES = (0.5, 0.7, 1.0, 1.4, 2.0)
+"""Starting points of the fit."""
+FEWEST_MOVES = 4
+"""Moves from which on the halves are held against each other."""
+CLEARLY = 0.5
+"""A gyroscope explains the misfits if it makes them smaller by this factor: rates that say nothing,
+as of a frame that is rolled and never tilts, leave them as they are."""
+NO_TURN = np.zeros(3)
+NO_ERROR = np.array([0.0, 1.0, *[0.0] * 6])
+USUAL_ERRORS = np.array([LARGEST_LAG_S, 1.0, *[0.2] * 3, *[0.01] * 3])
+"""Sizes of lag, scale, the accelerometer's offset (20 mg) and the gyroscope's axes against the
+accelerometer's (1 %, data sheets of cheap sensors). The last two are fitted so that they do not
+pass for the first two; a frame that turns makes them all look alike."""
+LEAST = NO_ERROR - np.array([LARGEST_LAG_S, 0.8, *[1.0] * 3, *[0.1] * 3])
+MOST = NO_ERROR + np.array([LARGEST_LAG_S, 4.0, *[1.0] * 3, *[0.1] * 3])
+ROUNDS = 3
+"""Steps of Gauss and Newton after the grid; the third moves by less than an error."""
+
+
+class Readings(NamedTuple):
+    """What the checks need of a recording and its rests.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    acc_mps2, gyr_radps : (n, 3) arrays, IMU's axes
+    still : (n,) bool array
+    """
+
+    time_s: FloatArray
+    acc_mps2: FloatArray
+    gyr_radps: FloatArray
+    still: NDArray[np.bool_]
+
+    @property
+    def rate_hz(self) -> float:
+        """Samples per second."""
+        return 1 / float(np.median(np.diff(self.time_s)))
+
+    def offset(self) -> FloatArray:
+        """Median of the rests' mean rates, (3,) array, rad/s."""
+        means = [self.gyr_radps[rest].mean(axis=0) for rest in runs_of(self.still)]
+        return np.asarray(np.median(means, axis=0)) if means else np.zeros(3)
+
+
+class Moves(NamedTuple):
+    """Misfits of the moves from rest to rest, one row each; moves of over 5 s are left out.
+
+    Parameters
+    ----------
+    spans : slices, from the last sample of the rest before to the first of the rest after
+    misfit : (m, 6) array: velocity at the end along x, y, z in level axes (m/s); gravity's
+        direction against the gyroscope's, x and y (deg); height at the end (m)
+    """
+
+    spans: list[slice]
+    misfit: FloatArray
+
+    @property
+    def speed_mps(self) -> FloatArray:
+        """Velocity that is left at the end, (m,) array, m/s."""
+        return np.asarray(np.linalg.norm(self.misfit[:, :3], axis=1))
+
+    @property
+    def tilt_deg(self) -> FloatArray:
+        """Angle between gravity and what the gyroscope expects of it, (m,) array, deg."""
+        return np.asarray(np.hypot(self.misfit[:, 3], self.misfit[:, 4]))
+
+
+class _Batch:
+    """Moves of a recording side by side, each padded with its last sample to the longest one."""
+
+    def __init__(self, readings: Readings) -> None:
+        rests, rate_hz = runs_of(readings.still), readings.rate_hz
+        pairs = [
+            (before, after)
+            for before, after in pairwise(rests)
+            if (after.start + 1 - before.stop) / rate_hz < LONGEST_MOVE_S
+        ]
+        self.spans = [slice(before.stop - 1, after.start + 1) for before, after in pairs]
+        window = max(1, int(GRAVITY_S * rate_hz))
+        acc = readings.acc_mps2
+        self.first = np.array(
+            [acc[max(r.start, r.stop - window) : r.stop].mean(axis=0) for r, _ in pairs]
+        ).reshape(-1, 3)
+        self.last = np.array(
+            [acc[r.start : min(r.stop, r.start + window)].mean(axis=0) for _, r in pairs]
+        ).reshape(-1, 3)
+        ends = [np.linalg.norm(each, axis=1) for each in (self.first, self.last)]
+        # Set down as it was lifted; a frame that is held tilted has its IMU at another height.
+        self.back = (self.first * self.last).sum(axis=1) > np.cos(BACK_RAD) * ends[0] * ends[1]
+        longest = max((span.stop - span.start for span in self.spans), default=1)
+        begins = np.array([span.start for span in self.spans], int)[:, None]
+        stops = np.array([span.stop - 1 for span in self.spans], int)[:, None]
+        self.index = np.minimum(begins + np.arange(longest), stops)
+        clock = readings.time_s[self.index]
+        self.step = np.diff(clock, axis=1)
+        seconds = clock[:, -1:] - clock[:, :1]
+        self.part = (clock - clock[:, :1]) / np.maximum(seconds, 1e-9)
+        self.force = acc[self.index]
+        self.count, self.rate_hz = len(readings.time_s), rate_hz
+        self.rates = readings.gyr_radps - readings.offset()
+
+    def misfit(
+        self,
+        factors: ArrayLike = 1.0,
+        lag_s: float = 0.0,
+        offset_mps2: ArrayLike = 0.0,
+        askew_rad: ArrayLike = NO_TURN,
+    ) -> FloatArray:
+        """Misfits (m, 6) with errors of the sensor taken back.
+
+        The rates are multiplied and come late by some time, an offset is added to the force, and
+        the gyroscope's axes are turned against the accelerometer's.
+
+        The tilt's misfit is spread evenly over its move before the velocity is summed up, the
+        velocity's before the height is: each misfit counts once.
+        """
+        mixing = (np.eye(3) + cross_matrix(np.asarray(askew_rad, float))) * np.asarray(
+            factors, float
+        )
+        turned = self._turned(mixing, round(lag_s * self.rate_hz))
+        first, last, force = (
+            each + np.asarray(offset_mps2, float) for each in (self.first, self.last, self.force)
+        )
+        size = np.linalg.norm(first, axis=1), np.linalg.norm(last, axis=1)
+        upright = _upright(first / size[0][:, None])
+        along = np.einsum("mij,mnjk,mnk->mni", upright, turned, force)
+        end = (last / size[1][:, None])[:, :, None]
+        lean = (upright @ turned[:, -1] @ end)[:, :2, 0]
+        gravity = size[0][:, None] + (size[1] - size[0])[:, None] * self.part
+        along[:, :, :2] -= (self.part * gravity)[:, :, None] * lean[:, None]
+        along[:, :, 2] -= gravity
+        speed = np.einsum("mn,mni->mi", self.step, (along[:, 1:] + along[:, :-1]) / 2)
+        up = np.cumsum((along[:, 1:, 2] + along[:, :-1, 2]) / 2 * self.step, axis=1)
+        up = np.pad(up, ((0, 0), (1, 0))) - self.part * speed[:, 2:]
+        height = ((up[:, 1:] + up[:, :-1]) / 2 * self.step).sum(axis=1)
+        return np.column_stack([speed, np.rad2deg(lean), height * self.back])
+
+    def _turned(self, mixing: FloatArray, late: int) -> FloatArray:
+        """Attitudes (m, n, 3, 3) against each move's first sample."""
+        rate = (self.rates @ mixing.T)[np.clip(self.index + late, 0, self.count - 1)]
+        turn = (rate[:, 1:] + rate[:, :-1]) / 2 * self.step[:, :, None]
+        half = np.sqrt(np.einsum("mni,mni->mn", turn, turn)) / 2
+        size = np.sinc(half / np.pi) / 2
+        # Quaternions as pairs of complex numbers, w + x i and y + z i, which multiply fastest.
+        first, second = np.ones(self.index.shape, complex), np.zeros(self.index.shape, complex)
+        first[:, 1:] = np.cos(half) + 1j * size * turn[:, :, 0]
+        second[:, 1:] = size * (turn[:, :, 1] + 1j * turn[:, :, 2])
+        # Products of 2, 4, 8 ... neighbours: all attitudes in log2(n) rounds.
+        step = 1
+        while step < first.shape[1]:
+            a, b, c, d = first[:, :-step], second[:, :-step], first[:, step:], second[:, step:]
+            first[:, step:], second[:, step:] = a * c - b * d.conj(), a * d + b * c.conj()
+            step *= 2
+        q = np.stack([first.real, first.imag, second.real, second.imag], axis=-1)
+        return np.asarray(np.swapaxes(rotation_world_to_imu(q), -1, -2))
+
+
+def moves_between_rests(readings: Readings) -> Moves:
+    """Misfits of each move.
+
+    Parameters
+    ----------
+    readings : Readings
+
+    Returns
+    -------
+    Moves
+    """
+    batch = _Batch(readings)
+    return Moves(batch.spans, batch.misfit() if batch.spans else np.zeros((0, 6)))
+
+
+def _upright(up: FloatArray) -> FloatArray:
+    """Shortest turns that bring unit vectors (m, 3) to z, (m, 3, 3)."""
+    x, y, z = up.T
+    c = 1 / np.maximum(1 + z, 1e-9)
+    rows = [[1 - c * x * x, -c * x * y, -x], [-c * x * y, 1 - c * y * y, -y], [x, y, z]]
+    return np.asarray(np.moveaxis(np.array(rows), -1, 0))
+
+
+class HalvesFit(NamedTuple):
+    """What would bring gyroscope and accelerometer together.
+
+    Parameters
+    ----------
+    seen : whether the moves tilt the frame enough that the gyroscope explains the misfits; if not,
+        nothing else here means anything
+    signs : (3,) array, best signs of the gyroscope's axes
+    lag_s, lag_sd_s : s, by which the gyroscope comes late
+    scale, scale_sd : 1, what the rates have to be multiplied by
+    better : misfit that is left with lag and scale, over the misfit as the readings are
+    """
+
+    seen: bool
+    signs: FloatArray
+    lag_s: float = 0.0
+    lag_sd_s: float = np.inf
+    scale: float = 1.0
+    scale_sd: float = np.inf
+    better: float = 1.0
+
+
+UNSEEN = HalvesFit(False, np.ones(3))
+
+
+def fit_halves(readings: Readings) -> HalvesFit:
+    """Signs, lag and scale of the gyroscope that the rests ask for.
+
+    A move is judged by the size of its misfit, each part over :data:`SIZES`. The signs are tried
+    first; then scales and lags on a grid; then both, with an offset of the accelerometer and turned
+    axes beside them, by Gauss and Newton with the weights of Huber.
+
+    Parameters
+    ----------
+    readings : Readings
+
+    Returns
+    -------
+    HalvesFit
+    """
+    batch = _Batch(readings)
+    if len(batch.spans) < FEWEST_MOVES:
+        return UNSEEN
+
+    def rows(
+        factors: ArrayLike, lag_s: float = 0.0, offset: ArrayLike = 0.0, askew: ArrayLike = NO_TURN
+    ) -> FloatArray:
+        return np.asarray(batch.misfit(factors, lag_s, offset, askew) / SIZES)
+
+    without, stated = _size(rows(0.0)), _size(rows(1.0))
+    choices = [np.array(signs) for signs in product((1.0, -1.0), repeat=3)][1:]
+    sizes = [_size(rows(signs)) for signs in choices]
+    least, lag, scale = min(_descents(rows, without))
+    best = int(np.argmin(sizes))
+    if sizes[best] < min(CLEARLY * without, CLEARLY * stated, least):
+        return HalvesFit(True, choices[best], better=sizes[best] / stated)
+    found, sd = np.zeros(8), np.full(8, np.inf)
+    found[:2] = lag, scale
+
+    def at(errors: FloatArray) -> FloatArray:
+        return rows(errors[1], float(errors[0]), errors[2:5], errors[5:8])
+
+    # A lag is taken in whole samples: its slope comes from some of them.
+    steps = np.array([2 / readings.rate_hz, 0.02, *[0.05] * 3, *[0.005] * 3])
+    for _ in range(ROUNDS):
+        found[0] = round(found[0] * readings.rate_hz) / readings.rate_hz
+        slopes = np.stack([
+            (at(found + change) - at(found - change)) / (2 * change.sum())
+            for change in np.diag(steps)
+        ])  # fmt: skip
+        change, sd = _step(at(found), slopes, found)
+        found = np.clip(found + change, LEAST, MOST)
+    left = _size(at(found))
+    if left > CLEARLY * without:
+        return UNSEEN
+    lag, scale = found[:2].tolist()
+    return HalvesFit(True, np.ones(3), lag, float(sd[0]), scale, float(sd[1]), left / stated)
+
+
+def _descents(
+    rows: Callable[..., FloatArray], without: float
+) -> Iterator[tuple[float, float, float]]:
+    """Misfit, lag and scale on a grid: the best lag first, and the best scale first."""
+    lags = np.arange(-LARGEST_LAG_S, LARGEST_LAG_S + 1e-9, LAG_STEP_S).tolist()
+    for first in ("lag", "scale"):
+        lag, scale = 0.0, 1.0
+        for what in (first, "lag" if first == "scale" else "scale"):
+            if what == "lag":
+                by_lag = [_size(rows(scale, each)) for each in lags]
+                lag, least = lags[int(np.argmin(by_lag))], min(by_lag)
+            else:
+                by_scale = [_size(rows(each, lag)) for each in SCALES]
+                scale, least = SCALES[int(np.argmin(by_scale))], min(by_scale)
+        yield least, lag, scale
+        if least < FITS * without:
+            return
+
+
+def _size(rows: FloatArray) -> float:
+    """Mean length: no single move decides, and no few are overlooked."""
+    return float(np.linalg.norm(rows, axis=1).mean())
+
+
+def _step(
+    here: FloatArray, slopes: FloatArray, errors: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Change of the errors, and their standard deviations, by the scatter of the moves or more."""
+    length = np.linalg.norm(here, axis=1)
+    weight = np.minimum(1.0, 1.5 * np.median(length) / np.maximum(length, 1e-9))
+    known = np.diag(1 / USUAL_ERRORS**2)
+    normal = np.einsum("m,pmk,qmk->pq", weight, slopes, slopes) + known
+    pull = np.einsum("m,pmk,mk->pm", weight, slopes, here)
+    change = -np.linalg.solve(normal, pull.sum(axis=1) + known @ (errors - NO_ERROR))
+    rest = here + np.einsum("p,pmk->mk", change, slopes)
+    inverse = np.linalg.inv(normal)
+    pull = np.einsum("m,pmk,mk->pm", weight, slopes, rest)
+    # Few moves leave little scatter beside as many unknowns.
+    free = max(1.0, here.size - len(errors)) / here.size
+    by_moves = inverse @ (pull @ pull.T) @ inverse / free
+    by_size = inverse * max(float((weight[:, None] * rest**2).mean()) / free, 1e-9)
+    return change, np.sqrt(np.maximum(np.diag(by_moves), np.diag(by_size)))
+
+
+def rest_rates(readings: Readings, shortest_s: float) -> tuple[list[slice], FloatArray]:
+    """Rests of some length, and the mean rate of each less the median one, (r, 3) array, rad/s.
+
+    Parameters
+    ----------
+    readings : Readings
+    shortest_s : s
+
+    Returns
+    -------
+    list of slices, (r, 3) array
+    """
+    count = max(1, round(shortest_s * readings.rate_hz))
+    rests = runs_of(long_runs(readings.still, count, grow=False))
+    if not rests:
+        return [], np.zeros((0, 3))
+    means = np.array([readings.gyr_radps[rest].mean(axis=0) for rest in rests])
+    return rests, means - np.median(means, axis=0)
+
+
+def drift_at_rest(readings: Readings, span_s: float) -> Iterator[tuple[slice, FloatArray]]:
+    """Speed that each rest gains within some time, by the accelerometer.
+
+    Gravity is turned as the gyroscope says. What the force is off its mean over six seconds counts:
+    an error of the gyroscope's offset turns gravity more slowly than that.
+
+    Parameters
+    ----------
+    readings : Readings
+    span_s : s; shorter rests are left out
+
+    Yields
+    ------
+    slice, (k,) array, m/s, gained from each of its samples on that has the time left
+    """
+    rates, count = readings.gyr_radps - readings.offset(), round(span_s * readings.rate_hz)
+    slowly = max(3, round(4 * span_s * readings.rate_hz))
+    for rest in runs_of(readings.still):
+        if rest.stop - rest.start <= count:
+            continue
+        step = np.diff(readings.time_s[rest], append=readings.time_s[rest.stop - 1])[:, None]
+        # Small turns add up like vectors.
+        turned = np.cumsum(rates[rest] * step, axis=0)
+        force = readings.acc_mps2[rest]
+        force = force + np.cross(turned, force)
+        slow = ndimage.uniform_filter1d(force, slowly, axis=0, mode="nearest")
+        speed = np.cumsum((force - slow) * step, axis=0)
+        yield rest, np.linalg.norm(speed[count:] - speed[:-count], axis=1)
