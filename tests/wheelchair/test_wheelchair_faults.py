@@ -226,7 +226,7 @@ def test_accelerations_that_read_gravity_instead_of_force_are_mirrored():
     """Both wheels' accelerometers with the wrong sign: names or signs are in question."""
     faulty = drive().trial
     for sensor in SENSORS[1:]:
-        faulty = inject.mirror(faulty, sensor, "acc", (-1, -1, -1))
+        faulty = inject.scale(faulty, sensor, "acc", (-1, -1, -1))
     (found,) = look(faulty)
     assert found.code == "mirrored" and not found.costs
     assert "turn the chair to the left by hand" in found.sentence
