@@ -141,8 +141,8 @@ STUDIES: dict[str, Study] = {
     "faults_wheelchair": Study(
         "mobility_imu.reproduction.wheelchair.faults",
         "study",
-        "7000 to 7024 for the courts, with the kind's and the case's numbers for places and sizes; "
-        "8000 to 11069 for courts without a fault",
+        "17000 to 17024 for the courts, with the kind's and the case's numbers for places and "
+        "sizes; 18000 to 21069 for courts without a fault",
     ),
     "dropped_chairs": Study(
         "mobility_imu.reproduction.wheelchair.held",
