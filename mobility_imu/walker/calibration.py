@@ -185,10 +185,10 @@ def _with_sensor_errors(
 ) -> WalkerCalibration:
     """State what errors of the sensor's scale, axes and bias do, by calibrating with each of them.
 
-    The arcs do not show most of it: a forward axis of the accelerometer that reads 0.3 % too much
-    moves the height by 4 mm in the front and back tilts alike. What they do show is in their
-    scatter, and the filter's noise factors stand in for the same errors: their sum would count
-    them twice, the larger of both is stated.
+    The arcs show only a part of it: a forward axis of the accelerometer that reads 0.3 % too much
+    moves the height by about 1 cm in the front and in the back tilt, and hardly in the others. What
+    they do show is in their scatter, and the filter's noise factors stand in for the same errors:
+    their sum would count them twice, the larger of both is stated.
     """
     tilts = found.tilts
     edges = [found.geometry.edge(tilt.direction) for tilt in tilts]
