@@ -46,7 +46,7 @@ class Cost(NamedTuple):
 
     def __str__(self) -> str:
         """Words of a message."""
-        return f"the {self.name} by up to {self.largest:.2g} {self.unit}"
+        return f"the {self.name} by up to {float(f'{self.largest:.2g}'):g} {self.unit}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -86,7 +86,9 @@ class Fault(Result):
         """The sentence, with what the fault costs where that is known."""
         if not self.costs:
             return self.sentence
-        return f"{self.sentence}; it moves {' and '.join(map(str, self.costs))}"
+        *others, last = map(str, self.costs)
+        moved = f"{', '.join(others)} and {last}" if others else last
+        return f"{self.sentence}; it moves {moved}"
 
 
 Estimate = Callable[[Recording], Mapping[tuple[str, str], FloatArray]]

@@ -163,7 +163,7 @@ def test_a_fault_is_told_with_its_cost_and_refused_when_strict(tmp_path, works, 
     said = works(*command).stderr
     assert said.count("right_wheel_gyr reads") == 1
     assert "% too much, by the turns of the wheel as gravity counts them" in said
-    assert "it moves the speed by up to 0.0" in said and "and the distance by up to" in said
+    assert "it moves the speed by up to 0.0" in said and "the distance by up to" in said
     assert not pd.read_csv(tmp_path / "v.csv")["valid"].any()
     (tmp_path / "v.csv").unlink()
     fails(*command, "--strict", says=["right_wheel_gyr reads"])
