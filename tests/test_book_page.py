@@ -60,7 +60,8 @@ def needs():
 
 def test_every_chapter_says_what_it_needs():
     chapters = [page for page in listed() if page.startswith("notebooks/")]
-    assert list(needs()) == [page for page in chapters if "/beyond/" not in page]
+    alone = {"notebooks/beyond/sensor_faults"}  # the other pages there are lists to look things up
+    assert list(needs()) == [p for p in chapters if "/beyond/" not in p or p in alone]
 
 
 @pytest.mark.parametrize("chapter", list(needs()))

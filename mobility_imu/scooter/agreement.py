@@ -39,7 +39,7 @@ shorter, a turn of the controls longer."""
 RATE_MEAN_S = 0.05
 """Rates are averaged over this before they are compared: one sample of each is noise."""
 LEAST_VALID = 0.5
-"""Part of the samples that the closed form has to trust, or nothing is said."""
+"""Part of the samples that the closed form has to trust; below it nothing is judged."""
 LONGEST_LAG_S = 2.0
 """Lags up to this are looked for."""
 

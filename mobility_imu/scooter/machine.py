@@ -1,4 +1,4 @@
-"""What a scooter does, held against the angles: a third witness beside lever and body.
+"""What a scooter does, held against the angles: a third source beside lever and body.
 
 A scooter whose wheel is straight does not turn, and one that stands has its lever released. So the
 steering at which it does not turn, and the throttle while it stands, are zeros that no sensor has
