@@ -2,7 +2,7 @@
 
 Lever and body are joined by two hinges. Three things must then hold. About the axis at right angles
 to both hinges nothing turns but the whole scooter: there both gyroscopes read the same
-(:func:`~mobility_imu.scooter.fusion.locked_rate` is their difference). What the hinges' rates add
+(``fusion.locked_rate`` is their difference). What the hinges' rates add
 up to is how far the angles of the closed form move, for the steering and for the throttle.
 """
 

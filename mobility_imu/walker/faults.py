@@ -86,7 +86,7 @@ def find_faults(
     Parameters
     ----------
     recording, geometry, mount, settings, stillness, smooth, closed_loop, rests : as in
-        :func:`mobility_imu.walker.estimate_trajectory`
+        :func:`mobility_imu.walker.trajectory.estimate_trajectory`
 
     Returns
     -------
@@ -146,7 +146,7 @@ def find_tilt_faults(
     Parameters
     ----------
     recording, geometry, method, form, smooth, order, settings, stillness : as in
-        :func:`mobility_imu.walker.calibrate_mount`
+        :func:`mobility_imu.walker.calibration.calibrate_mount`
 
     Returns
     -------

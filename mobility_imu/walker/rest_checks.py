@@ -252,7 +252,7 @@ UNSEEN = HalvesFit(False, np.ones(3))
 def fit_halves(readings: Readings) -> HalvesFit:
     """Signs, lag and scale of the gyroscope that the rests ask for.
 
-    A move is judged by the size of its misfit, each part over :data:`SIZES`. The signs are tried
+    A move is judged by the size of its misfit, each part over ``SIZES``. The signs are tried
     first; then scales and lags on a grid; then both, with an offset of the accelerometer and turned
     axes beside them, by Gauss and Newton with the weights of Huber.
 

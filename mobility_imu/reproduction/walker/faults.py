@@ -343,7 +343,7 @@ def numbers_of(rows: list[dict[str, Any]], clean: list[dict[str, Any]]) -> dict[
 
     Returns
     -------
-    dict: ``kinds``, rows of :func:`summary_of`; ``cases``, lines by kind, see :data:`COLUMNS`;
+    dict: ``kinds``, rows of :func:`summary_of`; ``cases``, lines by kind, see ``COLUMNS``;
     ``clean``, alarms by level, of walks and of tilts
     """
     cases = {
@@ -391,8 +391,8 @@ def table(numbers: dict[str, Any]) -> pd.DataFrame:
 
     Returns
     -------
-    DataFrame: ``kind``, ``case``, those of :data:`COLUMNS`, and ``matters``: whether the ratio is
-    above :data:`MATTERS`; a refusal counts as mattering
+    DataFrame: ``kind``, ``case``, those of ``COLUMNS``, and ``matters``: whether the ratio is
+    above ``MATTERS``; a refusal counts as mattering
     """
     import pandas as pd
 

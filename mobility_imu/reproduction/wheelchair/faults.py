@@ -48,7 +48,7 @@ def one_case(kind: str, case: int) -> dict[str, Any]:
 
     Parameters
     ----------
-    kind : a key of :data:`KINDS`
+    kind : a key of ``KINDS``
     case : 0 to 99
 
     Returns
@@ -186,7 +186,7 @@ def numbers_of(rows: list[dict[str, Any]], clean: list[dict[str, Any]]) -> dict[
     Parameters
     ----------
     rows : of :func:`one_case`
-    clean : of :func:`false_alarms`
+    clean : of ``false_alarms``
 
     Returns
     -------
@@ -259,7 +259,7 @@ def summary_of(kind: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
 
     Parameters
     ----------
-    kind : a key of :data:`KINDS`
+    kind : a key of ``KINDS``
     rows : of :func:`one_case`
 
     Returns
@@ -295,7 +295,7 @@ def example(
 
     Parameters
     ----------
-    kind : a key of :data:`KINDS`
+    kind : a key of ``KINDS``
     case : 0 to 99, which of its drives
 
     Returns
