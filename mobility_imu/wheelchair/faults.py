@@ -33,6 +33,8 @@ __all__ = ["find_faults", "results", "sensor_faults", "valid_samples", "with_val
 
 LEAST_COST = {"m/s": 1e-3, "deg/s": 1e-2, "m": 1e-3, "deg": 1e-2}
 """Smaller changes of a result are no cost: below the noise of any sensor."""
+SHORTEST_S = 5.0
+"""In less time the sensors do not see enough of one motion to judge each other."""
 SLOWEST_HZ = 10.0
 """A wheel at 4 m/s turns twice in a second: slower recordings do not show its turning."""
 MUTE_PART = 0.3
@@ -146,6 +148,8 @@ def sensor_faults(
     settings = settings_or_default("settings", settings, VelocitySettings)
     found = list(_of_one_sensor(recording, geometry, mount))
     if any(fault.code == "copy" for fault in found):
+        return tuple(found)
+    if recording.time_s[-1] - recording.time_s[0] < SHORTEST_S:
         return tuple(found)
     if recording.sampling_rate_hz < SLOWEST_HZ:
         return (*found, _slow_clock(recording))

@@ -53,6 +53,8 @@ LEAST_OFFSET_RADPS = float(np.deg2rad(0.3))
 
 FACTORY_SCALE_SD = 0.01
 """Scale factor of a gyroscope as it leaves the factory (MPU-6050: 3 % allowed)."""
+LEAST_CLOCK, CLOCK_SDS = 0.03, 3.0
+"""Scale that no gyroscope has (MPU-6050: 3 %), and how near two have to be to be one clock's."""
 LARGEST_CONDITION = 50.0
 """Beyond it, turn, speed and constant cannot be told apart."""
 PIECE_S = 2.0
@@ -90,6 +92,7 @@ def other_axles(w: Witnesses) -> Iterator[Fault]:
             continue
         name = f"{side}_wheel"
         axle = axles[side] * _way_round(w, side, axles[side], known[side])
+        angle = float(np.arccos(np.clip(axle @ known[side], -1.0, 1.0)))
         turn = Rotation.align_vectors(known[side][None], axle[None])[0].as_matrix()
         yield fault_of(
             w.recording, "turned", name, np.ones(len(w.recording), np.bool_),
@@ -279,13 +282,18 @@ def wrong_scales(w: Witnesses) -> Iterator[Fault]:
     ------
     Fault
     """
+    wrong: dict[str, tuple[float, float]] = {}
     for side in w.sides:
         fit, name = w.spin_fit(side), f"{side}_wheel"
         if fit is None or fit.factor <= 0 or name in w.failed:
             continue
         error, sd = fit.scale(w.offset_sd(name, w.mount.rotation_imu_to_wheel(side)[2]))
-        if abs(error) <= max(LEAST_SCALE, SURE * sd):
-            continue
+        if abs(error) > max(LEAST_SCALE, SURE * sd):
+            wrong[name] = error, sd
+    if _alike(wrong):
+        yield _other_clock(w.recording, wrong)
+        return
+    for name, (error, sd) in wrong.items():
         way = "too much" if error > 0 else "too little"
         yield fault_of(
             w.recording, "scale", f"{name}_gyr", np.ones(len(w.recording), np.bool_),
@@ -295,6 +303,45 @@ def wrong_scales(w: Witnesses) -> Iterator[Fault]:
                 multiplied, sensor=name, half="gyr", factors=1 / (1 + error)
             ),
         )  # fmt: skip
+
+
+def _alike(wrong: dict[str, tuple[float, float]]) -> bool:
+    """Whether both wheels' gyroscopes are off by one factor that no two gyroscopes share."""
+    if len(wrong) < 2:
+        return False
+    (left, left_sd), (right, right_sd) = wrong.values()
+    apart = max(CLOCK_SDS * float(np.hypot(left_sd, right_sd)), LEAST_SCALE)
+    return abs(left - right) < apart and min(abs(left), abs(right)) > LEAST_CLOCK
+
+
+def _other_clock(recording: Recording, wrong: dict[str, tuple[float, float]]) -> Fault:
+    error = float(np.mean([one[0] for one in wrong.values()]))
+    sd = float(np.linalg.norm([one[1] for one in wrong.values()]) / len(wrong))
+    more, sampled = ("more", "faster") if error > 0 else ("less", "slower")
+    return fault_of(
+        recording, "clock", "time_s", np.ones(len(recording), np.bool_),
+        f"makes the wheels turn by {100 * abs(error):.1f} ± {100 * sd:.1f} % "
+        f"{more} than gravity counts, both alike: the sensors sampled {sampled} than the times say "
+        "or both gyroscopes are in another unit; state the right sampling rate",
+        size=abs(error), unit="", repair=partial(retimed, factor=1 / (1 + error)),
+    )  # fmt: skip
+
+
+def retimed(recording: Recording, factor: float) -> Recording:
+    """Recording whose clock runs at another pace.
+
+    Parameters
+    ----------
+    recording : Recording
+    factor : on the time from sample to sample
+
+    Returns
+    -------
+    Recording
+    """
+    start = recording.time_s[0]
+    time_s = start + (recording.time_s - start) * factor
+    return Recording(time_s, recording.sensors, source=recording.source)
 
 
 def wrong_offsets(w: Witnesses) -> Iterator[Fault]:

@@ -250,6 +250,30 @@ def test_a_clock_of_another_unit_and_one_sensor_for_two():
     assert [f.code for f in look(Recording(drive().trial.time_s, twice))] == ["copy"]
 
 
+@pytest.mark.parametrize("pace", [0.9, 1.04, 1.1])
+def test_a_clock_at_another_pace_is_not_blamed_on_the_gyroscopes(pace):
+    """Both wheels turn too much or too little by one factor; the frame fits them as recorded."""
+    trial = drive().trial
+    found = look(Recording(trial.time_s * pace, trial.sensors, source="other rate"))
+    assert [fault.code for fault in found] == ["clock"]
+    assert found[0].size == pytest.approx(abs(pace - 1), abs=0.01)
+    assert "state the right sampling rate" in found[0].sentence
+    costs = {cost.name: cost.largest for cost in found[0].costs}
+    true = largest(series(trial), series(Recording(trial.time_s * pace, trial.sensors)), "distance")
+    assert 0.5 < costs["distance"] / true < 2 and "speed" not in costs
+
+
+def test_a_wheel_that_is_turned_by_half_a_turn_is_told_with_the_whole_angle():
+    faulty = turned(drive().trial, "left_wheel", 160.0)
+    (fault,) = of_code(look(faulty), "turned")
+    assert fault.size == pytest.approx(160, abs=2) and not of_code(look(faulty), "reversed")
+
+
+def test_a_second_is_too_short_for_a_judgement():
+    trial = drive().trial
+    assert look(trial.trim(trial.time_s[0], trial.time_s[0] + 1)) == ()
+
+
 def test_one_wheel_and_no_gyroscope_are_looked_at_as_far_as_they_go():
     sensors = dict(drive().trial.sensors)
     alone = Recording(drive().trial.time_s, {k: sensors[k] for k in SENSORS[:2]})
