@@ -1,6 +1,6 @@
 """Claims on Table 1 of Suzurikawa et al. 2022 and on the other numbers of its text.
 
-Basis is the geometry alone, or printed numbers computed again.
+The basis is the geometry alone, or the paper's numbers computed again.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ REQUISITES = Quotation("The test scooter described above has all these structura
 
 
 def table_claims() -> list[Claim]:
-    """Claims that rest on printed numbers or on geometry.
+    """Claims that follow from the paper's numbers or from geometry.
 
     Returns
     -------
