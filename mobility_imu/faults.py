@@ -15,11 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_floats
+from mobility_imu.frames import FloatArray, as_floats, one_of
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
 
+HALVES = ("acc", "gyr")
+"""Halves of a sensor: accelerometer and gyroscope."""
 FEWEST_BESIDE = 5
 """Samples on either side of a cut peak that a curve is fitted to, at least."""
 MOST_PRICED = 6
@@ -63,7 +65,7 @@ class Fault(Result):
     size : how large it is, in ``unit``; NaN if it has no size
     unit : of the size
     repair : what gives the recording without the fault, as well as can be; None if nothing can
-    costs : how far it moves the results; empty if that is not known
+    costs : how far it moves each result, 0 if it does not; empty if that is not known
     """
 
     code: str
@@ -84,9 +86,10 @@ class Fault(Result):
     @property
     def told(self) -> str:
         """The sentence, with what the fault costs where that is known."""
-        if not self.costs:
+        known = [str(cost) for cost in self.costs if cost.largest > 0]
+        if not known:
             return self.sentence
-        *others, last = map(str, self.costs)
+        *others, last = known
         moved = f"{', '.join(others)} and {last}" if others else last
         return f"{self.sentence}; it moves {moved}"
 
@@ -111,17 +114,19 @@ def with_costs(
 
     Returns
     -------
-    tuple of Fault; those that cannot be undone, or whose estimate is refused, are as they were
+    tuple of Fault; those that cannot be undone, whose estimate is refused or knows nothing, and
+    those beyond the first :data:`MOST_PRICED` that can be undone are as they were
     """
     faults = tuple(faults)
-    if not any(fault.repair is not None for fault in faults):
+    fixable = [k for k, fault in enumerate(faults) if fault.repair is not None][:MOST_PRICED]
+    if not fixable:
         return faults
     try:
         found = estimate(recording)
     except InputError:
         return faults
     return tuple(
-        _priced(fault, recording, estimate, found) if k < MOST_PRICED else fault
+        _priced(fault, recording, estimate, found) if k in fixable else fault
         for k, fault in enumerate(faults)
     )
 
@@ -138,16 +143,15 @@ def _priced(
         better = estimate(fault.repair(recording))
     except InputError:
         return fault
+    changes = {key: largest_change(values, better[key]) for key, values in found.items()}
     costs = tuple(
-        Cost(name, largest, unit)
-        for (name, unit), values in found.items()
-        if (largest := largest_change(values, better[name, unit])) > 0
+        Cost(name, change, unit) for (name, unit), change in changes.items() if np.isfinite(change)
     )
     return replace(fault, costs=costs)
 
 
 def largest_change(first: ArrayLike, second: ArrayLike) -> float:
-    """Largest difference of two series where both are known; 0 where neither is.
+    """Largest difference of two series where both are known; NaN if they are so nowhere.
 
     Parameters
     ----------
@@ -158,7 +162,7 @@ def largest_change(first: ArrayLike, second: ArrayLike) -> float:
     float
     """
     apart = np.abs(as_floats(first, "first") - as_floats(second, "second"))
-    return float(np.nanmax(apart)) if np.isfinite(apart).any() else 0.0
+    return float(np.nanmax(apart)) if np.isfinite(apart).any() else float("nan")
 
 
 def all_repaired(faults: Iterable[Fault], recording: Recording) -> Recording:
@@ -218,7 +222,7 @@ def with_half(recording: Recording, sensor: str, half: str, values: FloatArray) 
     -------
     Recording
     """
-    if half == "acc":
+    if one_of("half", half, HALVES) == "acc":
         return with_readings(recording, sensor, acc_mps2=values)
     return with_readings(recording, sensor, gyr_radps=values)
 
@@ -236,7 +240,9 @@ def half_of(recording: Recording, sensor: str, half: str) -> FloatArray:
     -------
     (n, 3) array, m/s² or rad/s
     """
-    return recording.sensor(sensor).acc_mps2 if half == "acc" else recording.gyroscope(sensor)
+    if one_of("half", half, HALVES) == "acc":
+        return recording.sensor(sensor).acc_mps2
+    return recording.gyroscope(sensor)
 
 
 def interpolated(
@@ -317,7 +323,9 @@ def multiplied(recording: Recording, sensor: str, half: str, factors: ArrayLike)
     return with_half(recording, sensor, half, values)
 
 
-def shifted(recording: Recording, sensor: str, lag_s: float) -> Recording:
+def shifted(
+    recording: Recording, sensor: str, lag_s: float, *, half: str | None = None
+) -> Recording:
     """Recording in which a sensor's readings come earlier by a lag; its ends are held.
 
     Parameters
@@ -325,6 +333,7 @@ def shifted(recording: Recording, sensor: str, lag_s: float) -> Recording:
     recording : Recording
     sensor : name
     lag_s : s by which the sensor comes late; negative if it comes early
+    half : "acc" or "gyr", if one half alone comes late
 
     Returns
     -------
@@ -335,12 +344,52 @@ def shifted(recording: Recording, sensor: str, lag_s: float) -> Recording:
     def moved(values: FloatArray) -> FloatArray:
         return np.column_stack([np.interp(time_s + lag_s, time_s, axis) for axis in values.T])
 
+    if half is not None:
+        return with_half(recording, sensor, half, moved(half_of(recording, sensor, half)))
     return with_readings(
         recording,
         sensor,
         acc_mps2=moved(imu.acc_mps2),
         gyr_radps=None if imu.gyr_radps is None else moved(imu.gyr_radps),
     )
+
+
+def turned_back(recording: Recording, sensor: str, rotation: FloatArray) -> Recording:
+    """Recording in which a sensor's readings are turned.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    rotation : (3, 3) array, from the axes that the sensor has to those that it should have
+
+    Returns
+    -------
+    Recording
+    """
+    imu = recording.sensor(sensor)
+    return with_readings(
+        recording,
+        sensor,
+        acc_mps2=imu.acc_mps2 @ rotation.T,
+        gyr_radps=None if imu.gyr_radps is None else imu.gyr_radps @ rotation.T,
+    )
+
+
+def without_offset(recording: Recording, sensor: str, offset_radps: FloatArray) -> Recording:
+    """Recording in which an offset is taken off a gyroscope.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    offset_radps : (3,) array, rad/s, in the sensor's axes
+
+    Returns
+    -------
+    Recording
+    """
+    return with_half(recording, sensor, "gyr", recording.gyroscope(sensor) - offset_radps)
 
 
 def exchanged(recording: Recording, first: str, second: str) -> Recording:

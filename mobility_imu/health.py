@@ -19,7 +19,7 @@ from mobility_imu.faults import Fault, Repair, interpolated, multiplied, widened
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.quality import frozen_samples, saturated_samples, turned_gravity
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.runs import runs_of
+from mobility_imu.runs import long_runs, runs_of
 
 LONGEST_STILL_GYR_S = 1.0
 """A gyroscope that says the same number for longer, while gravity turns beside it, is dead."""
@@ -69,9 +69,10 @@ def examine(recording: Recording) -> tuple[Fault, ...]:
     """
     found: list[Fault] = []
     for name, imu in recording.sensors.items():
-        found += _halves(recording, name, imu)
-        said = {fault.code for fault in found if fault.sensor.startswith(f"{name}_")}
-        if imu.gyr_radps is not None and not said & {"frozen", "dead axis"}:
+        own = list(_halves(recording, name, imu))
+        found += own
+        broken = any(fault.code in ("frozen", "dead axis") for fault in own)
+        if imu.gyr_radps is not None and not broken:
             found += _reversed(recording, name, imu.acc_mps2, imu.gyr_radps)
     found += _copies(recording)
     return tuple(found)
@@ -105,9 +106,10 @@ def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:
             whole = np.ones(len(values), np.bool_)
             yield fault_of(
                 recording, "dead axis", f"{label}_{'xyz'[k]}", whole,
-                f"is {values[0, k]:g} {unit} throughout, while other axes move: it says nothing",
+                f"is {values[0, k]:g} {unit} throughout, while other axes move: it is dead; "
+                "use another sensor",
             )  # fmt: skip
-        far = _spikes(values, spike)
+        far = single_spikes(values, spike)
         if far.any():
             largest = float(np.abs(values[far]).max())
             yield fault_of(
@@ -116,7 +118,9 @@ def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:
                 "does; remove them", size=largest, unit=unit, repair=bridged(far),
             )  # fmt: skip
         shortest = max(3, round(SHORTEST_AT_END_S * rate))
-        cut = (saturated_samples(values, run=shortest) | _pinned(values)) & ~frozen
+        often = _pinned(values)
+        cut = saturated_samples(values, run=shortest) & ~(frozen | often)
+        cut = long_runs(cut, shortest, grow=False) | (often & ~frozen)
         if cut.any():
             largest = float(np.abs(values[cut]).max())
             yield fault_of(
@@ -150,7 +154,9 @@ def fault_of(
     Fault
     """
     first = float(recording.time_s[int(np.argmax(flags))])
-    where = "" if flags.all() else f" in {int(flags.sum())} samples, first at {first:.2f} s,"
+    count = int(flags.sum())
+    samples = "1 sample" if count == 1 else f"{count} samples"
+    where = "" if flags.all() else f" in {samples}, first at {first:.2f} s,"
     sentence = f"{recording.source}: {sensor}{where} {what}"
     return Fault(code, sensor, first, flags, sentence, size, unit, repair)
 
@@ -187,7 +193,7 @@ def _silent(acc: FloatArray, gyr: FloatArray, rate_hz: float) -> NDArray[np.bool
             sums = np.cumsum(np.vstack([np.zeros(3), acc[whole]]), axis=0)
             means = (sums[width:] - sums[:-width]) / width
             size = np.linalg.norm(means, axis=1, keepdims=True)
-            direction = 9.81 * means / np.maximum(size, 1e-9)
+            direction = STANDARD_GRAVITY_MPS2 * means / np.maximum(size, 1e-9)
             silent[whole] = np.ptp(direction, axis=0).max() > TURNED_MPS2
     return silent
 
@@ -198,8 +204,19 @@ def _dead_axes(values: FloatArray) -> list[int]:
     return [k for k, n in enumerate(counts) if n == 1 and max(counts) > FEWEST_VALUES]
 
 
-def _spikes(values: FloatArray, least: float) -> NDArray[np.bool_]:
-    """Single readings far from both neighbours, which agree."""
+def single_spikes(values: FloatArray, least: float) -> NDArray[np.bool_]:
+    """Single readings far from both neighbours, which agree.
+
+    Parameters
+    ----------
+    values : (n, k) array
+    least : distance from both neighbours, in the values' unit, and :data:`SPIKE_TIMES` the usual
+        change from sample to sample
+
+    Returns
+    -------
+    (n,) bool array
+    """
     far = np.zeros(len(values), np.bool_)
     if len(values) < 5:
         return far

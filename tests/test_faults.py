@@ -104,8 +104,46 @@ def test_what_cannot_be_undone_or_is_refused_has_no_cost(moving):
 def test_samples_without_a_result_do_not_count():
     known = np.array([1.0, np.nan, 3.0])
     assert faults.largest_change(known, [1.5, 9.0, 3.0]) == 0.5
-    assert faults.largest_change([np.nan], [1.0]) == 0.0
+    assert np.isnan(faults.largest_change([np.nan], [1.0]))
     assert str(Cost("steering", 12.34, "deg")) == "the steering by up to 12 deg"
+
+
+def test_faults_that_cannot_be_undone_take_no_place_among_those_that_are_priced(moving):
+    whole = np.ones(len(moving), bool)
+    broken = [Fault("loose", "lever", 0.0, whole, "s")] * (faults.MOST_PRICED + 1)
+    half = partial(faults.multiplied, sensor="lever", half="gyr", factors=0.5)
+    undone = [Fault("scale", "lever", 0.0, whole, "s", repair=half)] * (faults.MOST_PRICED + 1)
+    found = faults.with_costs([*broken, *undone], moving, rate)
+    assert [bool(fault.costs) for fault in found] == (
+        [False] * len(broken) + [True] * faults.MOST_PRICED + [False]
+    )
+
+
+def test_a_fault_that_moves_nothing_has_a_cost_of_0_and_one_of_no_result_none(moving):
+    whole = np.ones(len(moving), bool)
+    same = partial(faults.multiplied, sensor="body", half="gyr", factors=2.0)
+    fault = Fault("scale", "body", 0.0, whole, "s", repair=same)
+    (priced,) = faults.with_costs([fault], moving, rate)
+    assert priced.costs == (Cost("rate", 0.0, "rad/s"),) and priced.told == "s"
+    (unknown,) = faults.with_costs(
+        [fault], moving, lambda r: {("rate", "rad/s"): np.full(9, np.nan)}
+    )
+    assert unknown.costs == ()
+
+
+def test_one_half_alone_is_moved_turned_or_freed_of_an_offset(moving):
+    earlier = faults.shifted(moving, "body", 0.1, half="gyr")
+    whole = faults.shifted(moving, "body", 0.1)
+    assert (earlier.gyroscope("body") == whole.gyroscope("body")).all()
+    assert (earlier.sensor("body").acc_mps2 == moving.sensor("body").acc_mps2).all()
+    quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    turned = faults.turned_back(injected.turn(moving, "body", quarter), "body", quarter.T)
+    assert largest_apart(turned, moving) < 1e-12
+    freed = injected.offset(moving, "body", "gyr", [0.1, 0.0, -0.2])
+    freed = faults.without_offset(freed, "body", np.array([0.1, 0.0, -0.2]))
+    assert largest_apart(freed, moving) < 1e-12
+    with pytest.raises(InputError, match="half"):
+        faults.half_of(moving, "body", "gry")
 
 
 def test_faults_can_be_pickled(moving):

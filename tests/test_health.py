@@ -123,6 +123,15 @@ def test_a_range_that_is_cut():
     assert found.samples > 10 and "choose a wider range" in found.sentence
 
 
+def test_a_sensor_is_not_judged_by_another_one_whose_name_begins_alike():
+    recording = clean("wheelchair", 1)
+    wheel = changed(recording, "left_wheel", gyr=lambda v: hold(v, 0.5)).sensor("left_wheel")
+    other = changed(recording, "left_wheel", gyr=lambda v: -v).sensor("left_wheel")
+    both = Recording(recording.time_s, {"left_wheel": wheel, "left": other}, source="names")
+    found = {(f.code, f.sensor) for f in examine(both)} - {("copy", "left_wheel, left")}
+    assert found == {("frozen", "left_wheel_gyr"), ("reversed", "left_gyr")}
+
+
 def test_a_still_sensor_in_coarse_steps_is_healthy():
     rng = np.random.default_rng(5)
     acc = np.round(rng.normal([0, 0, 9.8], 0.02, (3000, 3)) / 0.0981) * 0.0981

@@ -23,7 +23,8 @@ from mobility_imu.faults import (
     exchanged,
     multiplied,
     shifted,
-    with_readings,
+    turned_back,
+    without_offset,
 )
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
@@ -39,7 +40,6 @@ from mobility_imu.scooter.sensor_pair import (
     LARGE_OFFSET_RADPS,
     SensorPair,
     offsets_at_rest,
-    shifted_rates,
 )
 
 __all__ = ["contradictions"]
@@ -288,28 +288,6 @@ def unmirrored(recording: Recording, sensor: str, signs: FloatArray) -> Recordin
     return multiplied(multiplied(recording, sensor, "acc", signs), sensor, "gyr", signs)
 
 
-def turned_back(recording: Recording, sensor: str, rotation: FloatArray) -> Recording:
-    """Recording in which a sensor's readings are turned.
-
-    Parameters
-    ----------
-    recording : Recording
-    sensor : name
-    rotation : (3, 3) array, from the sensor's axes to those that it should have
-
-    Returns
-    -------
-    Recording
-    """
-    imu = recording.sensor(sensor)
-    return with_readings(
-        recording,
-        sensor,
-        acc_mps2=imu.acc_mps2 @ rotation.T,
-        gyr_radps=None if imu.gyr_radps is None else imu.gyr_radps @ rotation.T,
-    )
-
-
 def _offset_at_rest(recording: Recording, offsets: dict[str, FloatArray]) -> Iterator[Fault]:
     whole = np.ones(len(recording), np.bool_)
     for name, offset in offsets.items():
@@ -320,7 +298,7 @@ def _offset_at_rest(recording: Recording, offsets: dict[str, FloatArray]) -> Ite
                 recording, "offset", f"{name}_gyr", whole,
                 f"reads ({shown}) deg/s at rest; let the sensor warm up, or take the offset off",
                 size=float(np.rad2deg(size)), unit="deg/s",
-                repair=partial(shifted_rates, sensor=name, offset_radps=offset),
+                repair=partial(without_offset, sensor=name, offset_radps=offset),
             )  # fmt: skip
 
 
@@ -337,7 +315,7 @@ def _offset_by_drift(pair: SensorPair) -> Iterator[Fault]:
         f"drifts against the other sensors, by about ({shown}) deg/s, and no rest shows its "
         "offset by itself; let the scooter stand for some seconds at the beginning",
         size=float(np.rad2deg(size)), unit="deg/s",
-        repair=partial(shifted_rates, sensor=name, offset_radps=offset),
+        repair=partial(without_offset, sensor=name, offset_radps=offset),
     )  # fmt: skip
 
 

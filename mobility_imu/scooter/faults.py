@@ -13,13 +13,12 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, Repair, all_repaired, interpolated, with_costs
 from mobility_imu.frames import FloatArray
-from mobility_imu.health import FEWEST_VALUES, examine, fault_of
+from mobility_imu.health import FEWEST_VALUES, examine, fault_of, single_spikes
 from mobility_imu.recording import Recording
 from mobility_imu.scooter.contradictions import contradictions
 from mobility_imu.scooter.geometry import ScooterGeometry
@@ -48,9 +47,9 @@ Up to them a fault has to move an angle by twice its standard deviation to be to
 LAG_FACTOR = 2.0
 """A lag moves an angle by its rate, and by the scooter's own turning, which is as fast at most."""
 ANGLES = ("steering", "throttle")
-SPIKE_RADPS, SPIKE_TIMES = 1.0, 20.0
-"""A rate that leaves both neighbours by more, and by so many times the usual change, is no
-movement: a hand needs more than 20 ms to reach, and to leave, 60 deg/s."""
+SPIKE_RADPS = 1.0
+"""A rate that leaves both neighbours by more is no movement: a hand needs more than 20 ms to reach,
+and to leave, 60 deg/s."""
 QUICK_HZ = 50.0
 """Sampling rate from which on single readings are that short."""
 GROSS = {"lag": 0.1, "offset": 20.0, "turned": float("inf")}
@@ -214,7 +213,7 @@ def _alone(
         quick = recording.sampling_rate_hz >= QUICK_HZ
         if gyr is None or not quick or f"{name}_gyr" in spiky:
             continue
-        far = _small_spikes(gyr)
+        far = single_spikes(gyr, SPIKE_RADPS)
         if far.any():
             largest = float(np.abs(np.diff(gyr, axis=0)[far[1:]]).max())
             yield fault_of(
@@ -255,20 +254,6 @@ def _at_rest(recording: Recording, fault: Fault, names: Sequence[str]) -> bool:
     longer = lengthened(recording, name, fault.flags).sensor(name).acc_mps2
     added = np.abs(longer - recording.sensor(name).acc_mps2)[fault.flags].max(axis=1)
     return bool(np.median(added) < LEAST_CUT_MPS2)
-
-
-def _small_spikes(gyr: FloatArray) -> NDArray[np.bool_]:
-    """Single rates far from both neighbours, which agree."""
-    far = np.zeros(len(gyr), np.bool_)
-    step = np.diff(gyr, axis=0)
-    if len(step) < 4:
-        return far
-    up, down = step[:-1], step[1:]
-    size = np.minimum(np.abs(up), np.abs(down))
-    alone = (up * down < 0) & (np.abs(up + down) < 0.25 * size)
-    least = np.maximum(SPIKE_RADPS, SPIKE_TIMES * np.median(np.abs(step), axis=0))
-    far[1:-1] = (alone & (size > least)).any(axis=1)
-    return far
 
 
 def _bridge(

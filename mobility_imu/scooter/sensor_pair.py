@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.faults import Repair, with_half
+from mobility_imu.faults import Repair, without_offset
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.offsets import rest_flags
@@ -25,7 +25,7 @@ from mobility_imu.scooter.agreement import (
 from mobility_imu.scooter.geometry import ScooterGeometry
 from mobility_imu.scooter.mount import ScooterMount
 
-__all__ = ["LARGE_OFFSET_RADPS", "SensorPair", "offsets_at_rest", "shifted_rates"]
+__all__ = ["LARGE_OFFSET_RADPS", "SensorPair", "offsets_at_rest", "without_offset"]
 
 LARGE_OFFSET_RADPS = float(np.deg2rad(4.5))
 """Data sheets of consumer sensors state up to 3 deg/s at rest, and half as much for warmth."""
@@ -75,7 +75,7 @@ class SensorPair:
         """Readings of a recording without the offsets at rest, however large these are."""
         still = recording
         for name, offset in offsets_at_rest(recording).items():
-            still = shifted_rates(still, name, offset)
+            still = without_offset(still, name, offset)
         names = ("lever", "body")
         return _Readings(
             {name: still.sensor(name).acc_mps2 for name in names},
@@ -111,22 +111,6 @@ class SensorPair:
         if not seen.enough:
             return None
         return agreement(seen, self.moved(readings.gyr, seen))
-
-
-def shifted_rates(recording: Recording, sensor: str, offset_radps: FloatArray) -> Recording:
-    """Recording in which an offset is taken off a gyroscope.
-
-    Parameters
-    ----------
-    recording : Recording
-    sensor : name
-    offset_radps : (3,) array, rad/s, in the sensor's axes
-
-    Returns
-    -------
-    Recording
-    """
-    return with_half(recording, sensor, "gyr", recording.gyroscope(sensor) - offset_radps)
 
 
 def offsets_at_rest(recording: Recording) -> dict[str, FloatArray]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from mobility_imu.faults import Fault, half_of, interpolated, multiplied, with_half
+from mobility_imu.faults import Fault, half_of, interpolated, multiplied, shifted, with_half
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.quality import SHORTEST_FROZEN_S, resolution_of
@@ -204,7 +204,8 @@ def _halves(recording: Recording, readings: Readings) -> Iterator[Fault]:
             recording, "lag", label, whole,
             f"comes {abs(fit.lag_s):.2f} ± {fit.lag_sd_s:.2f} s {way} than the accelerometer, as "
             "the rests show; read both halves with one clock",
-            size=fit.lag_s, unit="s", repair=partial(_gyroscope_earlier, lag_s=fit.lag_s),
+            size=fit.lag_s, unit="s",
+            repair=partial(shifted, sensor=FRAME, lag_s=fit.lag_s, half="gyr"),
         )  # fmt: skip
     off = 1 / fit.scale - 1
     if abs(off) > LEAST_SCALE and abs(fit.scale - 1) > SURE_TIMES * fit.scale_sd:
@@ -238,13 +239,6 @@ def _held(recording: Recording, readings: Readings) -> Iterator[Fault]:
             repair=partial(interpolated, sensor=FRAME, half="acc", flags=flags),
         )  # fmt: skip
         yield with_reach(fault, recording, StillnessSettings())
-
-
-def _gyroscope_earlier(recording: Recording, lag_s: float) -> Recording:
-    """Recording in which the gyroscope's readings come earlier by a lag; its ends are held."""
-    time_s, rates = recording.time_s, recording.gyroscope(FRAME)
-    moved = [np.interp(time_s + lag_s, time_s, axis) for axis in rates.T]
-    return with_half(recording, FRAME, "gyr", np.column_stack(moved))
 
 
 def _rates_scaled(recording: Recording, factor: float) -> Recording:

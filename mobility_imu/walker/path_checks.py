@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.faults import Fault, with_readings
+from mobility_imu.faults import Fault, turned_back
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
+from mobility_imu.rotations import cross_matrix
 from mobility_imu.runs import long_runs, runs_of
 from mobility_imu.walker.fault_checks import FRAME, placed
 from mobility_imu.walker.mount import WalkerMount
@@ -110,13 +111,6 @@ def _stated(code: str, flags: NDArray[np.bool_], sentence: str, recording: Recor
     return Fault(code, FRAME, first, flags, sentence)
 
 
-def _readings_turned(recording: Recording, turn: FloatArray) -> Recording:
-    """Recording with both halves turned."""
-    imu = recording.sensor(FRAME)
-    rates = recording.gyroscope(FRAME) @ turn.T
-    return with_readings(recording, FRAME, acc_mps2=imu.acc_mps2 @ turn.T, gyr_radps=rates)
-
-
 def _long_moves(found: Trajectory) -> NDArray[np.bool_]:
     step_s = float(np.median(np.diff(found.time_s)))
     count = int(found.settings.longest_move_s / step_s) + 1
@@ -131,14 +125,14 @@ def _leaning(recording: Recording, found: Trajectory, mount: WalkerMount, said: 
     turn = _turn_between(up, level)
     lean = float(np.rad2deg(np.arccos(np.clip(up @ level, -1, 1))))
     fault = _stated("turned", np.ones(len(recording), np.bool_), said, recording)
-    return replace(fault, size=lean, unit="deg", repair=partial(_readings_turned, turn=turn))
+    return replace(
+        fault, size=lean, unit="deg", repair=partial(turned_back, sensor=FRAME, rotation=turn)
+    )
 
 
 def _turn_between(first: FloatArray, second: FloatArray) -> FloatArray:
     """Shortest turn from one unit vector to another, (3, 3)."""
-    axis, cosine = np.cross(first, second), float(first @ second)
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    cosine, cross = float(first @ second), cross_matrix(np.cross(first, second))
     return np.asarray(np.eye(3) + cross + cross @ cross / (1 + cosine))
 
 
@@ -197,5 +191,5 @@ def _aside(recording: Recording, found: Trajectory, mount: WalkerMount) -> Itera
         f"steps {abs(middle):.0f} deg to the {'left' if middle > 0 else 'right'} of its "
         "forward axis: has the IMU been turned since it was calibrated, or was it calibrated with "
         "tilts in another order than stated?",
-        size=middle, unit="deg", repair=partial(_readings_turned, turn=turn),
+        size=middle, unit="deg", repair=partial(turned_back, sensor=FRAME, rotation=turn),
     )  # fmt: skip

@@ -287,8 +287,12 @@ def _parts(sensor: str) -> tuple[str, str]:
 
 
 def _without_trifles(fault: Fault) -> Fault:
-    kept = tuple(cost for cost in fault.costs if cost.largest >= LEAST_COST[cost.unit])
-    return fault if len(kept) == len(fault.costs) else replace(fault, costs=kept)
+    """Fault whose costs below any sensor's noise are 0."""
+    costs = tuple(
+        cost if cost.largest >= LEAST_COST[cost.unit] else cost._replace(largest=0.0)
+        for cost in fault.costs
+    )
+    return replace(fault, costs=costs)
 
 
 SMALL = {"lag": 0.05, "scale": 0.03, "offset": 1.0, "mirrored": float("inf")}

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.faults import Fault, exchanged, multiplied
+from mobility_imu.faults import Fault, exchanged, multiplied, turned_back
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.wheelchair.contradictions import (
@@ -29,7 +29,6 @@ from mobility_imu.wheelchair.wheel_faults import (
     SURE,
     exchanged_wheels,
     offset_fault,
-    turned_back,
 )
 
 __all__ = ["at_odds", "other_signs", "taken_for_a_wheel", "tilted", "wrong_scale_or_offset"]

@@ -13,11 +13,10 @@ from mobility_imu.faults import (
     Fault,
     Repair,
     exchanged,
-    half_of,
     multiplied,
     shifted,
-    with_half,
-    with_readings,
+    turned_back,
+    without_offset,
 )
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
@@ -111,23 +110,6 @@ def _way_round(w: Witnesses, side: Side, axle: FloatArray, known: FloatArray) ->
         together = float(tied_rate(along, name, w.geometry) @ (gyr @ axle))
         return 1.0 if together >= 0 else -1.0
     return 1.0 if axle @ known >= 0 else -1.0
-
-
-def turned_back(recording: Recording, sensor: str, rotation: FloatArray) -> Recording:
-    """Recording in which a sensor's readings are turned.
-
-    Parameters
-    ----------
-    recording : Recording
-    sensor : name
-    rotation : (3, 3) array, from the axes that it has to those that it should have
-
-    Returns
-    -------
-    Recording
-    """
-    acc, gyr = (half_of(recording, sensor, half) @ rotation.T for half in ("acc", "gyr"))
-    return with_readings(recording, sensor, acc_mps2=acc, gyr_radps=gyr)
 
 
 def _between(first: FloatArray, second: FloatArray) -> float:
@@ -437,20 +419,4 @@ def offset_fault(
 
 
 def _taken_off(name: str, offset_radps: FloatArray) -> Repair:
-    return partial(shifted_rates, sensor=name, offset_radps=offset_radps)
-
-
-def shifted_rates(recording: Recording, sensor: str, offset_radps: FloatArray) -> Recording:
-    """Recording from one of whose gyroscopes a constant is taken off.
-
-    Parameters
-    ----------
-    recording : Recording
-    sensor : name
-    offset_radps : (3,) array, rad/s
-
-    Returns
-    -------
-    Recording
-    """
-    return with_half(recording, sensor, "gyr", recording.gyroscope(sensor) - offset_radps)
+    return partial(without_offset, sensor=name, offset_radps=offset_radps)
