@@ -182,16 +182,18 @@ def find_lags(
     signals = [band_signals([streams[name] for name in names], kind, edges) for names in clocks]
     guess = _best_guess(signals, kind)
     if guess is None:
-        raise InputError(_unclear(source, clocks[-1]))
+        raise InputError(_unclear(source, *clocks))
     fitted = _fit(_of(guess, signals), guess[next(reversed(guess))].at_s, kind)
     if fitted is None or max(one.lag_sd_s for one in fitted) > LARGEST_LAG_SD_S:
-        raise InputError(_unclear(source, clocks[-1]))
+        raise InputError(_unclear(source, *clocks))
     found = dict(zip(guess, fitted, strict=True))
     # However the clocks are divided in two, one half must be clear against the other.
     for count in range(1, len(clocks)):
         for half in combinations(range(1, len(clocks)), count):
             if not _is_clear(found, half, signals, kind):
-                raise InputError(_unclear(source, [name for k in half for name in clocks[k]]))
+                others = [k for k in range(len(clocks)) if k not in half]
+                sides = ([name for k in side for name in clocks[k]] for side in (half, others))
+                raise InputError(_unclear(source, *sides))
     return [found[k] for k in range(len(clocks))]
 
 
@@ -226,10 +228,12 @@ def _against(lag: ClockLag, other: ClockLag) -> ClockLag:
     return ClockLag(float(first), 0.0, float(second - first), 0.0, float(at[0]))
 
 
-def _unclear(source: str, names: Sequence[str]) -> str:
+def _unclear(source: str, *sides: Sequence[str]) -> str:
+    """Message that names all sides: which of them has the other movement is not known."""
+    clocks = " and of ".join(listed(names) for names in sides)
     return (
-        f"{source}: the clock of {listed(names)} is its own, and the movement does not show "
-        "clearly how it lies to the others'; record ten seconds of quick, irregular movement, or "
+        f"{source}: the clocks of {clocks} are their own, and the movement does not show clearly "
+        "how they lie to each other; record ten seconds of quick, irregular movement, or "
         f"{SAY_SAME}"
     )
 
