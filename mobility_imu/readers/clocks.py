@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import GAP_FACTOR, FloatArray, as_number, shown
-from mobility_imu.readers.streams import Stream
+from mobility_imu.readers.streams import BELIEVED, Stream
 from mobility_imu.readers.wording import quoted
 from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu, Recording
 
@@ -149,8 +149,9 @@ def one_clock(
 ) -> tuple[Recording, tuple[str, ...], dict[str, ClockLag]]:
     """Recording of sensors that may each have a clock of its own.
 
-    Sensors whose streams name different clocks, and sensors that share no time, are joined by
-    their movement (:mod:`~mobility_imu.readers.lags`); a warning says by how much they were moved.
+    Sensors whose streams name different clocks, and sensors of one file that share no time, are
+    joined by their movement (:mod:`~mobility_imu.readers.lags`); a warning says by how much they
+    were moved.
 
     Samples stay as they are if all sensors have the same times and these count samples or are
     increasing without gaps. Otherwise the sensors are interpolated to one even clock at the rate
@@ -172,14 +173,15 @@ def one_clock(
     Raises
     ------
     InputError
-        Gaps, sensors whose lag the movement does not show, and whatever a Recording refuses.
+        Gaps, sensors whose lag the movement does not show, sensors that share no time although
+        their stamps are to be believed, and whatever a Recording refuses.
     """
     said = [sentence for stream in streams.values() for sentence in stream.warnings]
     streams, lags = _by_movement(streams, source)
     if lags:
         said.append(f"{source}: joined by their movement: {_lags_said(lags)}")
     first = next(iter(streams.values()))
-    same = all(
+    same = not lags and all(
         stream.time_s is first.time_s or np.array_equal(stream.time_s, first.time_s, equal_nan=True)
         for stream in streams.values()
     )
@@ -220,9 +222,13 @@ def _by_movement(
     for name, stream in streams.items():
         clocks.setdefault(stream.clock, []).append(name)
     groups = list(clocks.values())
-    if len(groups) == 1 and not any(stream.counted for stream in streams.values()):
-        begin = max(float(stream.time_s.min()) for stream in streams.values())
-        if not begin < min(float(stream.time_s.max()) for stream in streams.values()):
+    begin = max(float(stream.time_s.min()) for stream in streams.values())
+    apart = begin >= min(float(stream.time_s.max()) for stream in streams.values())
+    if len(groups) == 1 and len(streams) > 1 and apart:
+        if BELIEVED in clocks:
+            spans = _spans({name: stream.time_s for name, stream in streams.items()})
+            raise InputError(f"{source}: the sensors share no time ({spans}); leave out {BELIEVED}")
+        if not any(stream.counted for stream in streams.values()):
             groups = [[name] for name in streams]
     if len(groups) <= 1:
         return streams, {}
@@ -231,12 +237,9 @@ def _by_movement(
     lags = find_lags(streams, groups, source)
     moved = {name: lag for names, lag in zip(groups[1:], lags[1:], strict=True) for name in names}
     joined = {
-        name: replace(
-            stream, time_s=moved[name].times(stream.time_s) if name in moved else stream.time_s,
-            counted=False,
-        )
+        name: replace(stream, time_s=moved[name].times(stream.time_s)) if name in moved else stream
         for name, stream in streams.items()
-    }  # fmt: skip
+    }
     return joined, moved
 
 
@@ -293,7 +296,7 @@ def join_streams(
     -------
     recording : Recording
     warnings : samples left out since their stamp is not after all before it, and gaps that the
-        interpolation bridges (longer than 0.1 s)
+        interpolation bridges (longer than 0.1 s, or than a step where the times count samples)
 
     Raises
     ------
@@ -314,7 +317,11 @@ def join_streams(
         before = np.maximum.accumulate(np.r_[-np.inf, stamps[:-1]])
         kept[name] = stamps > before
         clocks[name] = stamps[kept[name]]
-        said += _oddities(clocks[name], int((~kept[name]).sum()), f"{source}, {name}")
+        # One that counts its samples is refused by itself for any gap; joined, it is said.
+        step = np.median(np.diff(clocks[name])) if stream.counted and kept[name].sum() > 1 else 0.0
+        silent = GAP_FACTOR * step if step > 0 else LONGEST_SILENT_GAP_S
+        left_out = int((~kept[name]).sum())
+        said += _oddities(clocks[name], left_out, silent, f"{source}, {name}")
     begin = max(clock[0] for clock in clocks.values())
     span = min(clock[-1] for clock in clocks.values()) - begin
     if not span * rate_hz > 1:
@@ -335,13 +342,13 @@ def join_streams(
     return Recording(time_s, sensors, source=source), tuple(said)
 
 
-def _oddities(clock: FloatArray, left_out: int, source: str) -> list[str]:
+def _oddities(clock: FloatArray, left_out: int, silent_s: float, source: str) -> list[str]:
     """Sentences on stamps that were left out and on gaps that are bridged."""
     said = []
     if left_out:
         said.append(f"{source}: {left_out} sample(s) left out whose stamps repeat or run backwards")
     step = np.diff(clock)
-    long = step > LONGEST_SILENT_GAP_S
+    long = step > silent_s
     if long.any():
         k = int(np.argmax(step))
         said.append(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,11 +15,10 @@ from mobility_imu.readers.clocks import check_fill, check_rate, one_clock
 from mobility_imu.readers.column_map import read_mapped
 from mobility_imu.readers.formats import find_format
 from mobility_imu.readers.sessions import is_session, read_session, session_files
-from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.streams import BELIEVED, Asked, Stream
 from mobility_imu.readers.table import read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.readers.xsens_mt import (
-    Export,
     is_xsens_mt,
     join_exports,
     parse_export,
@@ -44,6 +43,9 @@ MOST_SENSORS = 12
 CLOCK, SAME_CLOCK, OWN_CLOCK = "clock", "same", "own"
 """``clock=same`` among several files: their stamps come from one clock, or from one trigger.
 ``clock=own``: each sensor has a clock of its own, also where a file or session holds several."""
+XSENS = "Xsens MT Manager"
+LONGEST_EXAMPLE = 300
+"""Characters of a file's name and label that a message gives as an example."""
 Named = str | Path | Sequence[str | Path]
 """What names a recording."""
 
@@ -56,7 +58,7 @@ class Reading(Result):
     ----------
     recording : Recording
     format : name of the format
-    labels : sensor name to what the file calls it
+    labels : sensor name to what its file calls it; empty if the file has no word for it
     rate_from : where the sampling rate comes from
     lags : sensor name to its clock's lag, for sensors that were joined by their movement
     warnings : what was left out, reversed, interpolated, joined or found odd
@@ -84,10 +86,12 @@ def read_recording(
     path : a file, a folder or archive of a session, the common beginning of the names of several
         Xsens exports (``Trial`` for ``Trial-Frame.txt``, ``Trial-LeftWheel.txt``, ...), or several
         files, in a list or as ``lever=a.csv,body=b.csv``. Files of several sensors each have a
-        clock of their own, and are joined by their movement. With ``clock=same`` among them their
-        stamps are believed; with ``clock=own`` those of one file or session are not either
+        clock of their own, and are joined by their movement; Xsens exports of one receiver are
+        joined on their packet counter. With ``clock=same`` among them their stamps are believed;
+        with ``clock=own`` neither these nor a counter are, also in one file or session
     sampling_rate_hz : Hz, for formats without a clock; such a file is refused without it
-    fill_gaps_s : gaps up to this length are filled by linear interpolation; 0 refuses any gap
+    fill_gaps_s : gaps up to this length are filled by linear interpolation. With 0 a gap is
+        refused; where sensors or uneven stamps are brought on one clock, one of more than 0.1 s
     expected : names of sensors that are wanted; a sensor without a telling name gets them in order
 
     Returns
@@ -136,28 +140,52 @@ def understand(
     InputError
         As :func:`read_recording`.
     """
+    path = _alone(path)
     source = _text(path)
     if sampling_rate_hz is not None:
         check_rate(sampling_rate_hz, source)
     check_fill(fill_gaps_s)
-    form, streams, are_named = _streams(path, Asked(sampling_rate_hz), map_path)
+    try:
+        form, streams, are_named = _streams(path, Asked(sampling_rate_hz), map_path)
+    except InputError as error:
+        raise InputError(f"{error}{_as_several(path, expected)}") from None
     named, said = _named(streams, expected, source, are_named=are_named)
     recording, found, lags = one_clock(named, source, fill_gaps_s=fill_gaps_s)
     return Reading(
         recording,
         form,
-        {name: stream.label for name, stream in named.items()},
+        {name: stream.file_label or "" for name, stream in named.items()},
         ", ".join(dict.fromkeys(stream.rate_from for stream in streams)),
         lags=lags,
         warnings=(*said, *found),
     )
 
 
+def _alone(path: Named) -> Named:
+    """The file, where it is the only one of a list."""
+    if isinstance(path, list | tuple):
+        if not path:
+            raise InputError("no file is named")
+        return path[0] if len(path) == 1 else path
+    return path
+
+
 def _text(path: Named) -> str:
     """What was given, as messages show it."""
-    if isinstance(path, list | tuple) and len(path) > 1:
+    if isinstance(path, list | tuple):
         return ",".join(str(as_path(part)) for part in path)
     return str(as_path(path))  # type: ignore[arg-type]
+
+
+def _as_several(path: Named, expected: Sequence[str]) -> str:
+    """How several files are named, if that is what was meant; empty otherwise."""
+    parts = [] if isinstance(path, list | tuple) else _text(path).split(",")
+    if not 1 < len(parts) <= MOST_SENSORS or not all(_is_there(Path(part)) for part in parts):
+        return ""
+    names = [*expected, *(f"SENSOR{k + 1}" for k in range(len(expected), len(parts)))]
+    return "; give several files as " + ",".join(
+        f"{name}={part}" for name, part in zip(names, parts, strict=False)
+    )
 
 
 def _streams(
@@ -178,40 +206,76 @@ def _streams_of_several(
     """Format and sensors of several files, each with its sensor's name, or without one."""
     clock = next((value for sensor, value in parts if sensor == CLOCK), None)
     parts = [(sensor, file) for sensor, file in parts if sensor != CLOCK]
-    exports = {} if clock else _exports_of_one_receiver(parts)
-    if exports:
-        return "Xsens MT Manager", join_exports(exports, asked), True
-    forms: list[str] = []
-    streams: list[Stream] = []
-    for sensor, whole in parts:
-        file, label = _file_and_label(whole)
+    each = map_path is not None or clock == OWN_CLOCK
+    streams = [] if each else _streams_of_one_receiver(parts, asked)
+    forms = [XSENS] if streams else []
+    joined = {stream.source for stream in streams}
+    for sensor, part in parts:
+        if str(as_path(part)) in joined:
+            continue
+        file, label = _file_and_label(part)
         form, found, are_named = _streams(file, asked, map_path)
-        if label is not None:
-            found = tuple(stream for stream in found if stream.label == label)
-        if (sensor or label is not None) and len(found) != 1:
-            raise InputError(
-                f"{file}: {len(found)} sensors, expected one for '{sensor or label}'; name it as "
-                f"in {sensor or 'frame'}={file}#LABEL"
-            )
+        if sensor or label is not None:
+            found = (_the_one(found, sensor, file, label),)
         forms.append(form)
         for stream in found:
-            own = stream.label if are_named and len(found) > 1 else ""
-            name = sensor or own or _name_of(as_path(file), stream.label)
-            clocks = {SAME_CLOCK: "", OWN_CLOCK: name}
-            streams.append(stream.called(name, clock=clocks.get(clock or "")))
+            name = sensor or (stream.label if are_named else "")
+            name = name or _name_of(as_path(file), stream.label)
+            streams.append(stream.called(name, clock=name if clock == OWN_CLOCK else None))
+            if form == XSENS and not are_named and clock == SAME_CLOCK and len(parts) > 1:
+                said = f"{stream.source}: its times count from its own first packet"
+                streams[-1] = replace(streams[-1], warnings=(*stream.warnings, said))
+    if clock is not None and len(streams) == 1:
+        said = f"{parts[0][1]}: {CLOCK}={clock} has no effect: there is one sensor only"
+        streams[0] = replace(streams[0], warnings=(*streams[0].warnings, said))
+    if clock == SAME_CLOCK:
+        streams = [replace(stream, clock=BELIEVED) for stream in streams]
     return ", ".join(dict.fromkeys(forms)), tuple(streams), True
 
 
-def _exports_of_one_receiver(parts: Sequence[tuple[str, str]]) -> dict[str, Export]:
-    """Xsens exports, by sensor, whose packet counter is a common clock; empty for other files."""
-    files = [as_path(file) for _, file in parts]
-    names = [sensor or _name_of(file, "") for (sensor, _), file in zip(parts, files, strict=True)]
-    if len(set(names)) < len(names) or not all(
-        file.is_file() and is_xsens_mt(_first_line(file)) for file in files
-    ):
-        return {}
-    exports = {n: parse_export(read_text(f), str(f)) for n, f in zip(names, files, strict=True)}
-    return exports if share_packets(exports) else {}
+def _the_one(found: Sequence[Stream], sensor: str, file: str, label: str | None) -> Stream:
+    """The sensor of a file that has a label; without a label, its only sensor."""
+    labels = [stream.label for stream in found]
+    wanted = [stream for stream in found if label in (None, stream.label)]
+    if len(wanted) == 1:
+        return wanted[0]
+    whom = f" for '{sensor}'" if sensor else ""
+    what = (
+        f"{len(found)} sensors{whom} ({listed(labels)})"
+        if wanted
+        else f"no sensor '{quoted(label or '')}'{whom} (it has: {listed(labels)})"
+    )
+    example = f"{sensor or 'frame'}={file}#{labels[0] or 'LABEL'}"
+    raise InputError(f"{file}: {what}; name one as in {quoted(example, LONGEST_EXAMPLE)}")
+
+
+def _streams_of_one_receiver(parts: Sequence[tuple[str, str]], asked: Asked) -> list[Stream]:
+    """Sensors of Xsens exports whose packet counter is a common clock; none without it."""
+    names: dict[str, Path] = {}
+    for sensor, part in parts:
+        file = as_path(part)
+        if (
+            _is_there(file)
+            and not is_session(file)
+            and file.is_file()
+            and is_xsens_mt(_first_line(file))
+        ):
+            name = sensor or _name_of(file, "")
+            if name in names:
+                return []
+            names[name] = file
+    if len(names) < 2:
+        return []
+    exports = {name: parse_export(read_text(file), str(file)) for name, file in names.items()}
+    if not share_packets(exports):
+        return []
+    first, *others = join_exports(exports, asked)
+    said = (
+        f"{' + '.join(file.name for file in names.values())}: joined on the packet counter that "
+        f"the files share; {CLOCK}={OWN_CLOCK} if they are of different receivers"
+    )
+    first = replace(first, warnings=(*first.warnings, said))
+    return [replace(stream, clock="packet counter") for stream in (first, *others)]
 
 
 def _name_of(file: Path, label: str) -> str:
@@ -234,7 +298,7 @@ def _streams_of_one(
             exports = {
                 name: parse_export(read_text(file), str(file)) for name, file in parts.items()
             }
-            return "Xsens MT Manager", join_exports(exports, asked), True
+            return XSENS, join_exports(exports, asked), True
         what = "is a folder" if _is_folder(whole) else "no such file"
         raise InputError(f"{whole}: {what}, and no Xsens exports whose names begin like this")
     if is_session(whole):
@@ -325,8 +389,16 @@ def _named(
                 f"{','.join(f'{n}=FILE#LABEL' for n in expected)}"
             )
         if names.count(given) > 1:
-            both = [s.label or s.source for s, n in zip(streams, names, strict=True) if n == given]
-            raise InputError(f"{source}: two files for the {given} sensor, {listed(both)}")
+            both = [
+                f"'{quoted(s.file_label or s.label)}' in {s.source}"
+                for s, n in zip(streams, names, strict=True)
+                if n == given
+            ]
+            asked = expected if len(expected) > 1 else DEVICES[0][:2]
+            raise InputError(
+                f"{source}: two sensors are called {given}: {' and '.join(both[:2])}; give each "
+                f"its name, as in {','.join(f'{name}=FILE' for name in asked)}"
+            )
     return {str(name): stream for name, stream in zip(names, streams, strict=True)}, tuple(said)
 
 
@@ -348,6 +420,7 @@ def recording_files(path: str | Path | Sequence[str | Path]) -> list[Path]:
     -------
     list of Path, empty if there is no such recording
     """
+    path = _alone(path)
     several = _several(path)
     if several:
         return [
@@ -393,7 +466,8 @@ def _xsens_parts(prefix: Path) -> dict[str, Path]:
             continue
         if sensor in parts:
             raise InputError(
-                f"{prefix}: two files for the {sensor} sensor, {parts[sensor].name} and {path.name}"
+                f"{prefix}: two files for the {sensor} sensor, {parts[sensor].name} and "
+                f"{path.name}; give them as {','.join(f'{name}=FILE' for name in DEVICES[0])}"
             )
         parts[sensor] = path
     if not parts and len(begin_alike) == 1 and is_xsens_mt(_first_line(begin_alike[0])):

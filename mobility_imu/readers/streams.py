@@ -13,6 +13,9 @@ from mobility_imu.readers.table import NumberTable
 from mobility_imu.readers.wording import quoted
 from mobility_imu.results import Result
 
+BELIEVED = "clock=same"
+"""Clock of streams whose stamps are believed, because the user says so."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Stream(Result):
@@ -28,10 +31,13 @@ class Stream(Result):
     gyr_radps : (n, 3) array, rad/s, or None without a gyroscope
     source : where it comes from; error messages begin with it
     warnings : what the reader left out or found odd
-    label : what the file calls the sensor, such as a number or a place on the body
+    label : what the file calls the sensor, such as a number or a place on the body, until it is
+        :meth:`called` otherwise
+    file_label : what the file calls a sensor that is called otherwise; None for one that is not
     rate_from : where the sampling rate comes from
     counted : whether the times count samples, so that every step longer than one is a loss
-    clock : which clock the stamps come from; streams with the same name here share one
+    clock : which clock the stamps come from; streams with the same name here share one.
+        :data:`BELIEVED` if the user says that they do
 
     Raises
     ------
@@ -48,6 +54,7 @@ class Stream(Result):
     rate_from: str = field(default="its clock", kw_only=True)
     counted: bool = field(default=False, kw_only=True)
     clock: str = field(default="", kw_only=True)
+    file_label: str | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check shapes and numbers."""
@@ -83,7 +90,12 @@ class Stream(Result):
         -------
         Stream
         """
-        return replace(self, label=label, clock=self.clock if clock is None else clock)
+        return replace(
+            self,
+            label=label,
+            clock=self.clock if clock is None else clock,
+            file_label=self.label if self.file_label is None else self.file_label,
+        )
 
 
 class Asked(NamedTuple):

@@ -30,6 +30,9 @@ QUANTITIES = {"Acc": "acc", "Gyr": "gyr"}
 MOST_COMMENTS = 100
 LONG_END_S = 1.0
 """Sensors start and stop within this; more that one sensor does not have is worth a warning."""
+BY_CHANCE = 0.05
+"""Two counters that have nothing to do with each other begin as near as that one time in twenty.
+The packets that files share do not tell: counters of long files overlap wherever they begin."""
 
 
 def is_xsens_mt(names: str) -> bool:
@@ -192,6 +195,9 @@ def parse_export(text: str, source: str) -> Export:
 def share_packets(exports: Mapping[str, Export]) -> bool:
     """Whether the sensors count packets together, as those of one receiver do.
 
+    Their counters begin near each other, and more than half of the packets of each file, the
+    longest as well, are in all others.
+
     Parameters
     ----------
     exports : sensor name to its file
@@ -200,11 +206,29 @@ def share_packets(exports: Mapping[str, Export]) -> bool:
     -------
     bool
     """
-    counters = [export.counter for export in exports.values()]
-    if any(counter is None for counter in counters):
+    if any(export.counter is None or not len(export.counter) for export in exports.values()):
         return False
-    common = set.intersection(*(set(np.mod(c, COUNTER_RANGE)) for c in counters if c is not None))
-    return 2 * len(common) > min(len(c) for c in counters if c is not None)
+    counters, common = _together(exports)
+    begins = [counter[0] for counter in counters.values()]
+    return bool(
+        max(begins) - min(begins) < BY_CHANCE * COUNTER_RANGE / 2
+        and 2 * len(common) > max(len(counter) for counter in counters.values())
+    )
+
+
+def _together(exports: Mapping[str, Export]) -> tuple[dict[str, FloatArray], FloatArray]:
+    """Counters of sensors, none more than half a turn from the first one's, and what all have."""
+    counters: dict[str, FloatArray] = {}
+    first, common = None, np.empty(0)
+    for name, export in exports.items():
+        assert export.counter is not None
+        first = export.counter[0] if first is None else first
+        # A sensor that starts after the counter went over has small counts throughout.
+        turns = round((first - export.counter[0]) / COUNTER_RANGE)
+        counter = export.counter + COUNTER_RANGE * turns
+        common = np.intersect1d(common, counter, assume_unique=True) if counters else counter
+        counters[name] = counter
+    return counters, common
 
 
 def join_exports(exports: Mapping[str, Export], asked: Asked) -> tuple[Stream, ...]:
@@ -229,18 +253,8 @@ def join_exports(exports: Mapping[str, Export], asked: Asked) -> tuple[Stream, .
     source = " + ".join(Path(export.source).name for export in exports.values())
     if any(export.counter is None for export in exports.values()):
         raise InputError(f"{source}: no PacketCounter in one of the files; export it with them")
-    first = next(iter(exports.values()))
-    assert first.counter is not None
-    counters: dict[str, FloatArray] = {}
-    for name, export in exports.items():
-        assert export.counter is not None
-        # A sensor that starts after the counter went over has small counts throughout.
-        turns = round((first.counter[0] - export.counter[0]) / COUNTER_RANGE)
-        counters[name] = export.counter + COUNTER_RANGE * turns
-    common: FloatArray | None = None
-    for counter in counters.values():
-        common = counter if common is None else np.intersect1d(common, counter, assume_unique=True)
-    if common is None or len(common) < 2:
+    counters, common = _together(exports)
+    if len(common) < 2:
         spans = ", ".join(f"{name} {c[0]:g}-{c[-1]:g}" for name, c in counters.items())
         raise InputError(f"{source}: the sensors share no packet counters ({spans})")
     rates = {_rate(export, asked) for export in exports.values()}
@@ -262,6 +276,7 @@ def join_exports(exports: Mapping[str, Export], asked: Asked) -> tuple[Stream, .
             Stream(
                 time_s, export.acc[at], gyr, source=export.source, label=name, counted=True,
                 warnings=tuple(said), rate_from=_clock(export, asked)[1],
+                file_label=Path(export.source).stem,
             )
         )  # fmt: skip
     return tuple(streams)
