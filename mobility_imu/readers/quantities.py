@@ -14,7 +14,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.streams import FACTORS, factor
+from mobility_imu.readers.streams import factor
 from mobility_imu.readers.table import NumberTable
 from mobility_imu.readers.wording import listed
 
@@ -73,7 +73,7 @@ def find_triple(names: Sequence[str], pattern: str, source: str) -> Triple | Non
 
 
 def vectors(table: NumberTable, triple: Triple, quantity: str) -> FloatArray:
-    """Readings in m/s² or rad/s; a file that states no unit is to be read by a map.
+    """Readings in m/s² or rad/s.
 
     Parameters
     ----------
@@ -88,12 +88,6 @@ def vectors(table: NumberTable, triple: Triple, quantity: str) -> FloatArray:
     Raises
     ------
     InputError
-        If the unit is not known or not stated.
+        If the unit is not known.
     """
-    if not triple.unit:
-        what = "accelerations" if quantity == "acc" else "angular rates"
-        raise InputError(
-            f"{table.source}: column {triple.names[0]} states no unit for the {what}; name it as "
-            f"{quantity}_unit in a map ({', '.join(FACTORS[quantity])}; mobility-imu read --map)"
-        )
     return np.asarray(table.columns(triple.names) * factor(quantity, triple.unit, table.source))

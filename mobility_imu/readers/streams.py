@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -140,21 +141,50 @@ MOSTLY_HELD = 0.5
 FACTORS = {
     "acc": {"m/s2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": STANDARD_GRAVITY_MPS2 / 1000},
     "gyr": {"rad/s": 1.0, "deg/s": float(np.pi / 180), "mrad/s": 1e-3},
+    "speed": {"m/s": 1.0, "km/h": 1 / 3.6, "cm/s": 0.01, "mm/s": 0.001},
 }
-"""Units of acceleration and angular rate, and what turns them into m/s² and rad/s."""
+"""Units of acceleration, angular rate and speed, and what turns them into m/s², rad/s and m/s."""
+QUANTITIES = {"acc": "acceleration", "gyr": "angular rate", "speed": "speed"}
 SPELLINGS = {
-    "m/s²": "m/s2", "m/s^2": "m/s2", "m/(s^2)": "m/s2", "m/s/s": "m/s2", "mps2": "m/s2",
-    "m.s-2": "m/s2", "ms-2": "m/s2", "milli-g": "mg", "dps": "deg/s", "°/s": "deg/s",
-    "º/s": "deg/s", "degps": "deg/s", "radps": "rad/s", "rads": "rad/s", "rad.s-1": "rad/s",
+    "ms-2": "m/s2", "m/s/s": "m/s2", "mps2": "m/s2", "milli-g": "mg",
+    "degs-1": "deg/s", "degps": "deg/s", "dps": "deg/s", "rads-1": "rad/s", "radps": "rad/s",
+    "rads": "rad/s", "mrads-1": "mrad/s", "mradps": "mrad/s",
+    "ms-1": "m/s", "mps": "m/s", "cms-1": "cm/s", "cmps": "cm/s", "mms-1": "mm/s", "mmps": "mm/s",
+    "kmh-1": "km/h", "kmh": "km/h", "kph": "km/h", "kmph": "km/h",
 }  # fmt: skip
+_SIGNS = str.maketrans(
+    {"°": "deg", "º": "deg", "⁻": "-", "−": "-", "¹": "1", "²": "2"} | dict.fromkeys(".·⋅*^()")
+)
 
 
-def factor(quantity: str, unit: str, source: str) -> float:
-    """What a reading is multiplied by to be in m/s² or rad/s.
+def known_unit(quantity: str, text: str) -> str | None:
+    """Unit that a text is, however it is spelled.
 
     Parameters
     ----------
-    quantity : "acc" or "gyr"
+    quantity : "acc", "gyr" or "speed"
+    text : as the file or the user writes it
+
+    Returns
+    -------
+    str, as in :data:`FACTORS`; None if it is no unit of the quantity
+
+    Examples
+    --------
+    >>> known_unit("gyr", "°·s⁻¹"), known_unit("acc", "mph")
+    ('deg/s', None)
+    """
+    plain = re.sub("degrees?", "deg", "".join(text.lower().split()).translate(_SIGNS))
+    unit = SPELLINGS.get(plain, plain)
+    return unit if unit in FACTORS[quantity] else None
+
+
+def factor(quantity: str, unit: str, source: str) -> float:
+    """What a reading is multiplied by to be in m/s², rad/s or m/s.
+
+    Parameters
+    ----------
+    quantity : "acc", "gyr" or "speed"
     unit : as the file or the user writes it
     source : the file's name, for messages
 
@@ -172,15 +202,13 @@ def factor(quantity: str, unit: str, source: str) -> float:
     >>> factor("acc", "g", "walk.csv")
     9.80665
     """
-    plain = "".join(unit.split()).lower()
-    known = FACTORS[quantity]
-    name = SPELLINGS.get(plain, plain)
-    if name not in known:
-        what = "acceleration" if quantity == "acc" else "angular rate"
+    known = known_unit(quantity, unit)
+    if known is None:
         raise InputError(
-            f"{source}: {what} in '{quoted(unit)}' is not known; expected {', '.join(known)}"
+            f"{source}: {QUANTITIES[quantity]} in '{quoted(unit)}' is not known; expected "
+            f"{', '.join(FACTORS[quantity])}"
         )
-    return known[name]
+    return FACTORS[quantity][known]
 
 
 def held_warnings(time_s: FloatArray, acc_mps2: FloatArray, source: str) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,9 @@ from mobility_imu.results import Result
 BINARY = {
     b"\x89HDF\r\n\x1a\n": "an HDF5 file, as APDM's programs write it",
     b"PK\x03\x04": "an archive or a workbook",
+    b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1": "a workbook of an older Excel",
     b"MATLAB 5.0": "a MATLAB file",
+    b"MATLAB 7.3": "a MATLAB file",
 }
 """How files begin that hold numbers, but no text."""
 _BLANKS = " \t\r\v\f"
@@ -255,6 +258,23 @@ def parse_numbers(
     return NumberTable(
         [names[k] for k in read], values[:, : len(columns)], source, left_out=left_out
     )
+
+
+def line_of(text: str, row: int) -> int:
+    """Line in which a row of a table stands, as an editor counts lines.
+
+    Parameters
+    ----------
+    text : as :func:`parse_numbers` takes it
+    row : from 0
+
+    Returns
+    -------
+    int, from 1
+    """
+    layout = find_layout(text, "")
+    lines = enumerate(_LINE_ENDS.split(layout.body), start=layout.line + 1)
+    return next(islice((number for number, line in lines if line.strip()), row, None))
 
 
 def _as_numbers(frame: Any) -> FloatArray | None:

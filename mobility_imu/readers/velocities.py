@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,26 +12,24 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.readers.clocks import check_rate
-from mobility_imu.readers.table import NumberTable, parse_numbers, read_text
+from mobility_imu.readers.streams import FACTORS, known_unit
+from mobility_imu.readers.table import NumberTable, line_of, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.results import Result
 
-UNITS = {
-    "linear": {"m/s": 1.0, "km/h": 1 / 3.6, "cm/s": 0.01, "mm/s": 0.001},
-    "angular": {"deg/s": float(np.pi / 180), "rad/s": 1.0, "mrad/s": 0.001},
-}
-"""Units of both velocities, and what turns them into m/s and rad/s."""
-SPELLINGS = {
-    "linear": {"mps": "m/s", "ms-1": "m/s", "kmh": "km/h", "kph": "km/h", "kmph": "km/h",
-               "kmh-1": "km/h", "cmps": "cm/s", "cms-1": "cm/s", "mmps": "mm/s", "mms-1": "mm/s"},
-    "angular": {"degps": "deg/s", "dps": "deg/s", "degs-1": "deg/s", "degrees/s": "deg/s",
-                "radps": "rad/s", "rads-1": "rad/s", "mradps": "mrad/s", "mrads-1": "mrad/s"},
-}  # fmt: skip
+QUANTITIES = {"linear": "speed", "angular": "gyr"}
+"""Which units each of both velocities may have."""
 LARGEST = {"linear": 40.0, "angular": 70.0}
 """m/s and rad/s: 144 km/h, and twice a gyroscope's usual range of 2000 deg/s. No chair does more,
 so a larger value is damaged, or in another unit."""
 STANDARD_DEVIATION = r"(?<![a-z])(?:sd|std)(?![a-z])"
 """In the name of a column that holds a standard deviation, not a velocity."""
+_BRACKETED = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
+_OTHER_UNIT = re.compile(
+    r"mph|kts?|kn|knots?|ftps|fps|ips|rpm|rps|hz|deg|degrees?|rad"
+    r"|[^/]+/(s|sec|second|min|minute|h|hr|hour|ms)(\^?[2²])?"
+)
+"""Outside brackets, words that are units of something else than a chair's velocity."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,16 +79,15 @@ def read_velocities(
     """
     source = str(path)
     text = read_text(path)
-    first = text.partition("\n")[0]
-    table = parse_numbers(text, separator=max(";,\t", key=first.count), source=source)
+    table = parse_numbers(text, source=source)
     header, values = table.header, table.numbers
     linear = _column(table, r"lin", "linear velocity ('lin')")
     angular = _column(table, r"ang|yaw", "angular velocity ('ang' or 'yaw')")
     clock = [k for k, name in enumerate(header) if re.match(r"time|temps|tiempo", name.lower())]
-    _check_finite(table, [linear, angular, *clock])
+    _check_finite(table, [linear, angular, *clock], text)
     if clock:
         time_s = values[:, clock[0]]
-        rate = _even_rate(time_s, source)
+        rate = _even_rate(time_s, source, text)
     elif sampling_rate_hz is None:
         raise InputError(f"{source}: no time column, so the sampling rate must be given")
     else:
@@ -97,82 +95,104 @@ def read_velocities(
         time_s = np.arange(len(values)) / rate
     given = _given_units(units)
     speed, yaw = (
-        _in_si(table, place, quantity, given.get(quantity))
+        _in_si(table, place, quantity, given.get(quantity), text)
         for place, quantity in ((linear, "linear"), (angular, "angular"))
     )
     return VelocitySeries(time_s, speed, yaw, rate)
 
 
 def _given_units(units: str | None) -> dict[str, str]:
-    """Units that the user gave, by quantity."""
+    """Units that the user gave, by velocity."""
     if units is None:
         return {}
     parts = units.split(",") if isinstance(units, str) else []
-    found = [_unit(part, quantity) for part, quantity in zip(parts, UNITS, strict=False)]
-    if len(parts) != len(UNITS) or None in found:
+    found = [
+        known_unit(quantity, part)
+        for part, quantity in zip(parts, QUANTITIES.values(), strict=False)
+    ]
+    if len(parts) != len(QUANTITIES) or None in found:
+        known = "; ".join(", ".join(FACTORS[quantity]) for quantity in QUANTITIES.values())
         raise InputError(
             f"units: got {shown(units)}, expected those of the linear and the angular velocity, "
-            f"such as 'm/s, deg/s' ({', '.join(UNITS['linear'])}; {', '.join(UNITS['angular'])})"
+            f"such as 'm/s, deg/s' ({known})"
         )
-    return {quantity: str(unit) for quantity, unit in zip(UNITS, found, strict=True)}
+    return {velocity: str(unit) for velocity, unit in zip(QUANTITIES, found, strict=True)}
 
 
-def _unit(text: str, quantity: str) -> str | None:
-    """Unit that a text is, None if it is none of the quantity's."""
-    plain = re.sub(r"[\s.·]", "", text.lower()).replace("^", "").replace("⁻¹", "-1")
-    plain = re.sub("[°º]", "deg", plain)
-    name = SPELLINGS[quantity].get(plain, plain)
-    return name if name in UNITS[quantity] else None
-
-
-def _stated_unit(name: str, quantity: str) -> str | None:
-    """Unit at the end of a column's name, in brackets or after a mark; None if there is none."""
-    bracketed = re.findall(r"[(\[]([^()\[\]]*)[)\]]", name)
-    parts = re.split(r"[\s_,]+", name.strip())
+def _stated_units(name: str) -> list[str]:
+    """Units in a column's name: what stands in brackets, and what looks like one outside."""
+    name = re.sub(r"\s*/\s*", "/", name)
+    words = re.split(r"[\s_,]+", _BRACKETED.sub(" ", name).strip())[1:]
     # "v m s-1": a unit may itself hold blanks.
-    ends = [" ".join(parts[-count:]) for count in (1, 2) if len(parts) > count]
-    found = [_unit(text, quantity) for text in [*bracketed, *ends]]
-    return next((unit for unit in found if unit is not None), None)
+    pairs = [pair for pair in map(" ".join, pairwise(words)) if _is_known(pair)]
+    outside = [word for word in words if _is_known(word) or _OTHER_UNIT.fullmatch(word.lower())]
+    found = [*_BRACKETED.findall(name), *pairs, *outside]
+    return [text.strip() for text in found if re.search(r"\w|[°º%]", text)]
 
 
-def _in_si(table: NumberTable, place: int, quantity: str, given: str | None) -> FloatArray:
-    """Velocities in m/s or rad/s; the unit is the column's, or what the user says."""
-    name = quoted(table.header[place])
-    stated = _stated_unit(table.header[place], quantity)
-    known = ", ".join(UNITS[quantity])
-    if stated is None and given is None:
+def _is_known(text: str) -> bool:
+    # "g" may be a side's initial.
+    return len(text) > 2 and any(known_unit(quantity, text) for quantity in FACTORS)
+
+
+def _unit(name: str, velocity: str, given: str | None, source: str) -> str:
+    """Unit of a column: what its name states, or what the user says of a name that states none."""
+    quantity = QUANTITIES[velocity]
+    stated = _stated_units(name)
+    found = list(dict.fromkeys(u for text in stated if (u := known_unit(quantity, text))))
+    known = ", ".join(FACTORS[quantity])
+    if len(found) > 1:
+        raise InputError(f"{source}: column {quoted(name)} states two units, {listed(found)}")
+    if stated and not found:
         raise InputError(
-            f"{table.source}: column {name} states no unit that is known ({known}); write it into "
-            "the name, or give both with --units 'm/s, deg/s' (units in Python)"
+            f"{source}: column {quoted(name)} states '{quoted(stated[0])}', no unit that is known "
+            f"for the {velocity} velocity ({known}); convert or rename it, for --units does not "
+            "replace what a name states"
         )
-    if stated is not None and given not in (None, stated):
-        raise InputError(f"{table.source}: column {name} is in {stated}, but --units says {given}")
-    unit = stated or str(given)
-    values = np.asarray(table.numbers[:, place] * UNITS[quantity][unit])
-    beyond = np.abs(values) > LARGEST[quantity]
+    if found and given not in (None, found[0]):
+        raise InputError(
+            f"{source}: column {quoted(name)} is in {found[0]}, but --units says {given}"
+        )
+    unit = found[0] if found else given
+    if unit is None:
+        raise InputError(
+            f"{source}: column {quoted(name)} states no unit that is known ({known}); write it "
+            "into the name, or give both with --units 'm/s, deg/s' (units in Python)"
+        )
+    return unit
+
+
+def _in_si(
+    table: NumberTable, place: int, velocity: str, given: str | None, text: str
+) -> FloatArray:
+    """Velocities in m/s or rad/s; the unit is the column's, or what the user says."""
+    unit = _unit(table.header[place], velocity, given, table.source)
+    per = FACTORS[QUANTITIES[velocity]][unit]
+    values = np.asarray(table.numbers[:, place] * per)
+    beyond = np.abs(values) > LARGEST[velocity]
     if beyond.any():
         row = int(np.argmax(beyond))
-        most = LARGEST[quantity] / UNITS[quantity][unit]
+        most = LARGEST[velocity] / per
         raise InputError(
-            f"{table.source}: line {row + 2}, column {name}: {table.numbers[row, place]:g} {unit}, "
-            f"more than any chair does ({most:.4g} {unit}; {int(beyond.sum())} such row(s)); is it "
-            "damaged, or in another unit?"
+            f"{table.source}: line {line_of(text, row)}, column {quoted(table.header[place])}: "
+            f"{table.numbers[row, place]:g} {unit}, more than any chair does ({most:.4g} {unit}; "
+            f"{int(beyond.sum())} such row(s)); is it damaged, or in another unit?"
         )
     return values
 
 
-def _check_finite(table: NumberTable, places: list[int]) -> None:
+def _check_finite(table: NumberTable, places: list[int], text: str) -> None:
     for k in places:
         bad = ~np.isfinite(table.numbers[:, k])
         if bad.any():
             row = int(np.argmax(bad))
             raise InputError(
-                f"{table.source}: line {row + 2}, column {quoted(table.header[k])}: expected a "
-                f"number, got nothing, NaN or infinity ({int(bad.sum())} such row(s))"
+                f"{table.source}: line {line_of(text, row)}, column {quoted(table.header[k])}: "
+                f"expected a number, got nothing, NaN or infinity ({int(bad.sum())} such row(s))"
             )
 
 
-def _even_rate(time_s: FloatArray, source: str) -> float:
+def _even_rate(time_s: FloatArray, source: str, text: str) -> float:
     """Sampling rate in Hz of a time column whose steps are even, which is checked."""
     with np.errstate(over="ignore", invalid="ignore"):
         step = np.diff(time_s)
@@ -184,9 +204,9 @@ def _even_rate(time_s: FloatArray, source: str) -> float:
     if not usual > 0 or uneven.any():
         row = int(np.argmax(uneven)) if uneven.any() else 0
         raise InputError(
-            f"{source}: time steps from {time_s[row]:g} to {time_s[row + 1]:g} s at line "
-            f"{row + 3}, expected even steps of {usual:.3g} s (gaps, repeats and unsorted "
-            "times are not allowed here)"
+            f"{source}: time steps from {time_s[row]:g} to {time_s[row + 1]:g} s at "
+            f"line {line_of(text, row + 1)}, expected even steps of {usual:.3g} s (gaps, "
+            "repeats and unsorted times are not allowed here)"
         )
     rate = round((len(time_s) - 1) / float(time_s[-1] - time_s[0]), 3)
     return check_rate(rate, source, clock=True)

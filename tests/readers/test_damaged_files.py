@@ -14,6 +14,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.readers import read_recording, recording_files
 from mobility_imu.readers.geometry import MOUNT_KEYS, SECTIONS, read_arrays, read_section
 from mobility_imu.readers.settings import read_json_numbers
+from mobility_imu.readers.streams import factor
 from mobility_imu.readers.table import parse_numbers, read_text
 from mobility_imu.readers.velocities import read_velocities
 from mobility_imu.readers.wording import escaped, listed, quoted
@@ -147,6 +148,8 @@ def test_files_of_a_recording(tmp_path):
         (b"\x89HDF\r\n\x1a\n\x00\x00\x00\x00", "is an HDF5 file, as APDM's programs write it"),
         (b"PK\x03\x04\x14\x00\x06\x00", "is an archive or a workbook"),
         (b"MATLAB 5.0 MAT-file, Platform: GLNXA64", "is a MATLAB file"),
+        (b"MATLAB 7.3 MAT-file, Platform: GLNXA64", "is a MATLAB file"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "is a workbook of an older Excel"),
     ],
 )
 def test_what_is_no_text_is_to_be_exported(tmp_path, begin, says):
@@ -463,9 +466,11 @@ def velocities(folder, linear, angular, rows="0,1.5,-90\n0.01,1.5,-90\n"):
     [
         ("linear", "angular (deg/s)", "column linear states no unit that is known"),
         ("linear (m/s)", "angular", "column angular states no unit that is known"),
-        ("Linear velocity (mph)", "angular (deg/s)", r"column Linear velocity \(mph\) states no"),
-        ("linear (m/s)", "angular (grad/s)", "states no unit that is known"),
-        ("linear (m/s)", "angular (rpm)", "states no unit that is known"),
+        (
+            "linear velocity (-)",
+            "yaw_rate left/right",
+            r"column linear velocity \(-\) states no unit that is known",
+        ),
     ],
 )
 def test_a_unit_of_a_velocity_is_asked_for(tmp_path, linear, angular, says):
@@ -478,11 +483,75 @@ def test_a_unit_of_a_velocity_is_asked_for(tmp_path, linear, angular, says):
 
 
 @pytest.mark.parametrize(
+    ("linear", "angular", "unit"),
+    [
+        ("linear (deg/s)", "angular (deg/s)", "deg/s"),
+        ("linear_degps", "angular (deg/s)", "degps"),
+        ("linear (m/s)", "yaw rate m/s2", "m/s2"),
+        ("Linear velocity (mph)", "angular (deg/s)", "mph"),
+        ("linear_mph", "angular", "mph"),
+        ("linear [kt]", "angular (deg/s)", "kt"),
+        ("linear_mph_smoothed", "angular (deg/s)", "mph"),
+        ("linear (m/s)", "yaw_deg", "deg"),
+        ("linear ft/min", "angular (deg/s)", "ft/min"),
+        ("linear (m/s)", "angular (grad/s)", "grad/s"),
+        ("linear (m/s)", "angular (rpm)", "rpm"),
+        ("linear (m/s)", "yaw_rpm", "rpm"),
+        ("linear (m/s)", "angular (m/s)", "m/s"),
+        ("linear (smoothed)", "angular (deg/s)", "smoothed"),
+    ],
+)
+def test_a_unit_that_a_name_states_is_not_replaced(tmp_path, linear, angular, unit):
+    path = velocities(tmp_path, linear, angular)
+    for units in (None, "m/s, deg/s"):
+        with pytest.raises(InputError, match=rf"states '{unit}', no unit that is known for"):
+            read_velocities(path, units=units)
+
+
+def test_two_velocities_of_which_one_states_its_unit(tmp_path):
+    found = read_velocities(velocities(tmp_path, "linear", "angular (deg/s)"), units="m/s, deg/s")
+    assert found.linear_velocity_mps == pytest.approx(1.5)
+    assert found.yaw_rate_radps == pytest.approx(-np.pi / 2)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "unit", "value"),
+    [
+        ("gyr", "degrees/s", np.pi / 180), ("gyr", "deg.s-1", np.pi / 180),
+        ("gyr", "°·s⁻¹", np.pi / 180), ("gyr", "dps", np.pi / 180), ("gyr", "rads", 1),
+        ("gyr", "mradps", 1e-3), ("acc", "m·s⁻²", 1), ("acc", "m/(s^2)", 1),
+        ("acc", "M.S-2", 1), ("acc", "mps2", 1), ("acc", "m/s²", 1),
+        ("acc", "m s^-2", 1), ("speed", "km.h-1", 1 / 3.6), ("speed", "mmps", 1e-3),
+    ],
+)  # fmt: skip
+def test_one_table_of_units(quantity, unit, value):
+    assert factor(quantity, unit, "a.csv") == pytest.approx(value, rel=1e-12)
+    for other in {"acc", "gyr", "speed"} - {quantity}:
+        with pytest.raises(InputError, match=r"is not known; expected"):
+            factor(other, unit, "a.csv")
+
+
+@pytest.mark.parametrize("head", ["", "sep=;\n", "\n", "sep=,\n\n"])
+def test_lines_of_velocities_are_counted_as_an_editor_does(tmp_path, head):
+    rows = ["0,1,2", "0.01,1,2", "", "0.02,{},2", "{},1,2"]
+    for cells, says in ((("", "0.03"), "column linear"), (("99", "0.03"), "column linear")):
+        text = head + "time_s,linear (m/s),angular (deg/s)\n" + "\n".join(rows).format(*cells)
+        separator = ";" if "sep=;" in head else ","
+        path = write(tmp_path / "v.csv", text.replace(",", separator).replace("sep=;;", "sep=;"))
+        line = head.count("\n") + 5
+        assert f"line {line}, {says}" in refused(read_velocities, path)
+    text = head + "time_s,linear (m/s),angular (deg/s)\n" + "\n".join(rows).format("1", "0.09")
+    path = write(tmp_path / "v.csv", text.replace("sep=;", "sep=,"))
+    assert f"at line {head.count(chr(10)) + 6}, expected even" in refused(read_velocities, path)
+
+
+@pytest.mark.parametrize(
     ("linear", "mps"),
     [
         ("linear (m/s)", 1.5), ("lin_mps", 1.5), ("linear [m.s-1]", 1.5), ("linear m s^-1", 1.5),
         ("linear (km/h)", 1.5 / 3.6), ("linear_kmh", 1.5 / 3.6), ("linear (km.h-1)", 1.5 / 3.6),
         ("linear (cm/s)", 0.015), ("linear (mm/s)", 0.0015), ("linear (m·s⁻¹)", 1.5),
+        ("linear (smoothed) m / s", 1.5), ("lin_mps_smoothed", 1.5),
     ],
 )  # fmt: skip
 def test_units_of_a_speed(tmp_path, linear, mps):
@@ -505,6 +574,9 @@ def test_units_of_a_yaw_rate(tmp_path, angular, radps):
 
 
 def test_a_unit_that_is_given_and_stated_must_be_one(tmp_path):
+    for name in ("linear_mps (km/h)", "linear_kmh_mps"):
+        with pytest.raises(InputError, match="states two units"):
+            read_velocities(velocities(tmp_path, name, "angular (deg/s)"))
     path = velocities(tmp_path, "linear (m/s)", "angular (deg/s)")
     with pytest.raises(InputError, match=r"angular \(deg/s\) is in deg/s, but --units says rad/s"):
         read_velocities(path, units="m/s, rad/s")

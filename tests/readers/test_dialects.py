@@ -10,9 +10,7 @@ import pytest
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2 as G
-from mobility_imu.readers.quantities import find_triple, vectors
 from mobility_imu.readers.recordings import read_recording, recording_files, understand
-from mobility_imu.readers.table import parse_numbers
 from mobility_imu.recording import Imu, Recording
 
 RATE_HZ, COUNT = 100, 400
@@ -287,13 +285,6 @@ def test_units_are_read_and_what_is_no_unit_is_refused(tmp_path):
         InputError, match="acceleration in 'furlong' is not known; expected m/s2, g"
     ):
         understand(path)
-
-
-def test_a_table_without_units_is_to_be_read_by_a_map():
-    table = parse_numbers("ax,ay,az\n1,2,3\n", source="a.csv")
-    triple = find_triple(table.header, "a(?P<axis>[xyz])", "a.csv")
-    with pytest.raises(InputError, match=r"column ax states no unit .*acc_unit in a map \(m/s2, g"):
-        vectors(table, triple, "acc")
 
 
 def without_rate(folder):
