@@ -143,6 +143,9 @@ class TestTerrainChair:
         made = make("terrain-chair", files)
         assert made.files == ["geometry.toml", "grass_donut.csv.gz"]
         assert any("carpet_straight" in sentence for sentence in made.note.left_out)
+        (named,) = [sentence for sentence in made.note.done if "exchanged" in sentence]
+        assert "the origin's names are right, and all turns go to the other side" in named
+        assert any("+1 g upward" in sentence for sentence in made.note.assumed)
         recording = made.recording("grass_donut")
         assert recording.sampling_rate_hz == 100
         for sensor, scale in (("frame", 1), ("right_wheel", 2), ("left_wheel", 3)):

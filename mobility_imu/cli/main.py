@@ -125,7 +125,10 @@ def _of_arguments(error: Exception) -> str | None:
         return None
     if type(error).__name__ == "NoArgsIsHelpError":  # its message is the whole help
         return "give a command; --help lists them"
-    return str(error.format_message())
+    message = str(error.format_message())
+    if message.startswith("Got unexpected extra argument"):
+        message += "; several files of one recording are one name: frame=f.csv,left_wheel=l.csv"
+    return message
 
 
 def _of_arithmetic(error: Exception) -> str | None:

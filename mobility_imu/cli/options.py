@@ -29,7 +29,11 @@ Strict = Annotated[
 ]
 FillGaps = Annotated[
     float,
-    typer.Option(help="Fill gaps up to this length (s) by interpolation; 0 refuses any.", min=0),
+    typer.Option(
+        help="Fill gaps up to this length (s) by interpolation; 0 refuses any, but up to 0.1 s "
+        "where uneven stamps or several files are brought on one clock.",
+        min=0,
+    ),
 ]
 Seed = Annotated[int, typer.Option(help="The same seed gives the same bytes.", min=0)]
 Smooth = Annotated[

@@ -81,6 +81,11 @@ def test_wrong_arguments(fails, arguments):
     fails(*arguments, says=["No such"])
 
 
+def test_several_files_that_stand_apart(ride, fails):
+    line = fails(*angles("ride.csv"), "b.csv", says=["extra argument", "(b.csv)"])
+    assert line.endswith("files of one recording are one name: frame=f.csv,left_wheel=l.csv")
+
+
 def test_version(works):
     assert works("--version").stdout.startswith("mobility-imu ")
 

@@ -39,12 +39,16 @@ def convert(files: Files, out: Output) -> Note:
             f"The three modules of a drive were put on one clock by their wall-clock stamps and "
             f"interpolated to {RATE_HZ:g} Hz; nothing else was changed.",
             "The origin calls the wheels left and right the other way round (with its names they "
-            "turn against the frame's gyroscope): the names are exchanged here.",
+            "turn against the frame's gyroscope): the names are exchanged here. If the modules "
+            "state gravity and not force (-1 g upward), the origin's names are right, and all "
+            "turns go to the other side: donuts to the right.",
             "straight: pushed along; donut: several turns to the left. Each drive begins with some "
             "seconds of rest, of which a static trial can be cut.",
         ],
         assumed=[
             "Radius of the wheels 0.305 m (geometry.toml): nobody measured it.",
+            "Accelerometers that read +1 g upward, as Android's do. Each wheel's own gravity "
+            "speaks against it: `mirrored` is found in five of the six drives that were looked at.",
             "Track 0.527 m, by hand from the donuts with this radius; camber 0.",
         ],
         left_out=[
