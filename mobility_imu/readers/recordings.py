@@ -58,7 +58,8 @@ class Reading(Result):
     ----------
     recording : Recording
     format : name of the format
-    labels : sensor name to what its file calls it; empty if the file has no word for it
+    labels : sensor name to what its file calls it, or the file's name where the format has no word
+        for it; empty if neither tells
     rate_from : where the sampling rate comes from
     lags : sensor name to its clock's lag, for sensors that were joined by their movement
     warnings : what was left out, reversed, interpolated, joined or found odd
@@ -207,7 +208,7 @@ def _streams_of_several(
     clock = next((value for sensor, value in parts if sensor == CLOCK), None)
     parts = [(sensor, file) for sensor, file in parts if sensor != CLOCK]
     each = map_path is not None or clock == OWN_CLOCK
-    streams = [] if each else _streams_of_one_receiver(parts, asked)
+    streams = [] if each else _streams_of_one_receiver(parts, asked, clock)
     forms = [XSENS] if streams else []
     joined = {stream.source for stream in streams}
     for sensor, part in parts:
@@ -249,7 +250,9 @@ def _the_one(found: Sequence[Stream], sensor: str, file: str, label: str | None)
     raise InputError(f"{file}: {what}; name one as in {quoted(example, LONGEST_EXAMPLE)}")
 
 
-def _streams_of_one_receiver(parts: Sequence[tuple[str, str]], asked: Asked) -> list[Stream]:
+def _streams_of_one_receiver(
+    parts: Sequence[tuple[str, str]], asked: Asked, clock: str | None
+) -> list[Stream]:
     """Sensors of Xsens exports whose packet counter is a common clock; none without it."""
     names: dict[str, Path] = {}
     for sensor, part in parts:
@@ -269,11 +272,14 @@ def _streams_of_one_receiver(parts: Sequence[tuple[str, str]], asked: Asked) -> 
     exports = {name: parse_export(read_text(file), str(file)) for name, file in names.items()}
     if not share_packets(exports):
         return []
-    first, *others = join_exports(exports, asked)
+    beside_others = clock == SAME_CLOCK and len(names) < len(parts)
+    first, *others = join_exports(exports, asked, from_first=beside_others)
     said = (
         f"{' + '.join(file.name for file in names.values())}: joined on the packet counter that "
         f"the files share; {CLOCK}={OWN_CLOCK} if they are of different receivers"
     )
+    if beside_others:
+        said += "; their times count from the first packet that any of them has"
     first = replace(first, warnings=(*first.warnings, said))
     return [replace(stream, clock="packet counter") for stream in (first, *others)]
 

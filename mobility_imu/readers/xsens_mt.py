@@ -231,7 +231,9 @@ def _together(exports: Mapping[str, Export]) -> tuple[dict[str, FloatArray], Flo
     return counters, common
 
 
-def join_exports(exports: Mapping[str, Export], asked: Asked) -> tuple[Stream, ...]:
+def join_exports(
+    exports: Mapping[str, Export], asked: Asked, *, from_first: bool = False
+) -> tuple[Stream, ...]:
     """Sensors of one session on the packet counter that they share.
 
     Samples that not all sensors have are left out at the two ends; inside they are gaps.
@@ -240,6 +242,8 @@ def join_exports(exports: Mapping[str, Export], asked: Asked) -> tuple[Stream, .
     ----------
     exports : sensor name to its file
     asked : with the sampling rate, if the files do not state it
+    from_first : whether times count from the first packet that any sensor has, as beside files
+        that began with it, instead of from the first that all have
 
     Returns
     -------
@@ -260,7 +264,8 @@ def join_exports(exports: Mapping[str, Export], asked: Asked) -> tuple[Stream, .
     rates = {_rate(export, asked) for export in exports.values()}
     if max(rates) - min(rates) > 1e-3 * max(rates):
         raise InputError(f"{source}: sensors at different rates ({sorted(rates)} Hz)")
-    time_s = (common - common[0]) / max(rates)
+    start = min(counter[0] for counter in counters.values()) if from_first else common[0]
+    time_s = (common - start) / max(rates)
     streams = []
     for name, export in exports.items():
         at = np.isin(counters[name], common, assume_unique=True)
