@@ -1,7 +1,7 @@
 """Sphinx extension: ``findings``, ``finding-list`` and ``finding-counts`` show findings.toml.
 
-An entry shows its heading, verdict and consequence; quotation, reading and the numbers of its
-check are folded below. The check runs while the page is built.
+An entry shows its heading, verdict and consequence; quotation, interpretation and the numbers of
+its check are folded below. The check runs while the page is built.
 """
 
 import math
@@ -56,25 +56,25 @@ class Findings(SphinxDirective):
             "",
             f"**For a user.** {finding.consequence}",
             "",
-            ":::::{dropdown} Quotation, reading, and the check",
+            ":::::{dropdown} Quotation, interpretation and check",
         ]
         for passage in finding.quotation:
             lines += [quoted(passage), ""]
         lines += [
-            f"**The reading in which the authors are right.** {finding.reading}",
+            f"**The interpretation in which the authors are right.** {finding.reading}",
             "",
-            f"**What would settle it.** {finding.settles}",
+            f"**What would decide the question.** {finding.settles}",
             "",
-            f"**The check**, {{py:func}}`~{finding.check}`, run for this page:",
+            f"**The check**, {{py:func}}`~{finding.check}`, ran when this page was built:",
             "",
             "::::{list-table}",
             ":header-rows: 1",
             ":class: finding-check",
             "",
             "* - quantity",
-            "  - one side",
-            "  - other side",
-            "  - has to be",
+            "  - first number",
+            "  - second number",
+            "  - right number, if known",
         ]
         for item in finding.evidence():
             if not item.holds():

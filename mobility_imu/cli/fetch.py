@@ -1,4 +1,4 @@
-"""Command that brings public recordings by name."""
+"""Command that downloads public recordings by name."""
 
 from __future__ import annotations
 
@@ -28,16 +28,20 @@ INDENT = "    "
 
 def fetch(
     name: Annotated[
-        Name | None, typer.Argument(metavar="NAME", help="Of a data set, as in --list.")
+        Name | None,
+        typer.Argument(metavar="NAME", help="Name of a data set; --list shows all names."),
     ] = None,
     listing: Annotated[
-        bool, typer.Option("--list", help="Names, sizes, origins, licences, and what each tests.")
+        bool,
+        typer.Option(
+            "--list", help="List the sets: name, size, origin, licence, and what each can test."
+        ),
     ] = False,
 ) -> None:
-    """Bring public recordings by name into the cache, as canonical CSV with a note beside them.
+    """Download public recordings by name into the cache, as canonical CSV with a note of origin.
 
-    The cache is the folder that the variable MOBILITY_IMU_CACHE names, or the platform's. Most
-    origins state no licence: read the files, do not pass them on.
+    The cache is the folder that the variable MOBILITY_IMU_CACHE names, or else the usual one of the
+    operating system. Most origins state no licence: use the files, do not pass them on.
     """
     if listing == (name is not None):
         raise InputError("give the name of one data set, or --list to see them all")
@@ -48,7 +52,7 @@ def fetch(
 
 
 def _list() -> None:
-    """Print every data set, and where it is if it is here."""
+    """Print every data set, and its folder if it has been fetched."""
     from mobility_imu.datasets import list_datasets
     from mobility_imu.datasets.folders import find_folder
 
@@ -60,11 +64,11 @@ def _list() -> None:
 
 
 def described(dataset: Dataset) -> list[str]:
-    """Lines that tell what a data set is.
+    """Lines that describe a data set.
 
     Parameters
     ----------
-    dataset : which one
+    dataset : data set to describe
 
     Returns
     -------

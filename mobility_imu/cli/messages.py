@@ -9,9 +9,9 @@ from collections.abc import Iterable
 from contextlib import suppress
 
 LONGEST_MESSAGE = 1000
-"""Characters of a message; from a longer one the middle is left out."""
+"""Most characters of a message; of a longer message the middle is left out."""
 MOST_LINES = 5
-"""Lines of a summary."""
+"""Most lines of a summary."""
 
 
 def say(message: str, *, name: str = "mobility-imu: ") -> None:
@@ -20,7 +20,7 @@ def say(message: str, *, name: str = "mobility-imu: ") -> None:
     Parameters
     ----------
     message : text, of one line or more
-    name : what stands before it
+    name : text before the message
     """
     text = re.sub(r"\s*\n\s*", " ", message.strip())
     if not text.isprintable():
@@ -36,7 +36,7 @@ def say(message: str, *, name: str = "mobility-imu: ") -> None:
 
 
 def warn(sentences: Iterable[str]) -> None:
-    """Collect the warnings of a result; they are shown when the command has ended well.
+    """Collect the warnings of a result; they are shown when the command ends without an error.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The command that shows what is understood of a recording, and writes it as canonical CSV."""
+"""Command that shows what the program understands of a recording, and writes canonical CSV."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ def read(
     recording: Annotated[
         list[Path],
         typer.Argument(
-            help="File, folder or archive of a session, common beginning of Xsens exports, or "
-            "several files, which come on one clock: lever=a.csv body=b.csv [clock=same|own]."
+            help="A file, a session's folder or archive, the common beginning of the names of "
+            "Xsens exports, or several files, which are put on one clock: lever=a.csv body=b.csv "
+            "[clock=same|own]."
         ),
     ],
     output: Annotated[
@@ -28,13 +29,15 @@ def read(
     ] = None,
     map_path: Annotated[
         Path | None,
-        typer.Option("--map", help="TOML that says which column is what, for any other table."),
+        typer.Option(
+            "--map", help="For any other table: a TOML file that names its columns and units."
+        ),
     ] = None,
     sampling_rate_hz: Rate = None,
     fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
-    """What is understood of a recording: format, sensors, rate, gravity, offsets at rest."""
+    """Show what the program understands of a recording: format, sensors, rate, gravity, offsets."""
     from mobility_imu.cli.summaries import read_line, written_line
     from mobility_imu.health import examine
     from mobility_imu.readers.recordings import recording_files, understand

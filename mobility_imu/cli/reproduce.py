@@ -13,7 +13,7 @@ Work = Literal["scooter", "wheelchair", "walker"]
 
 
 def reproduce(
-    work: Annotated[Work | None, typer.Option(help="Only one of the works.")] = None,
+    work: Annotated[Work | None, typer.Option(help="Check only this work.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="JSON instead of a table.")] = False,
     everything: Annotated[
         bool, typer.Option("--all", help="All rows of the table, not only those that differ.")
@@ -22,11 +22,11 @@ def reproduce(
         bool,
         typer.Option(
             "--real",
-            help="Only what rests on independent real recordings, computed again where they are.",
+            help="Only results on independent real recordings; computed again if these are here.",
         ),
     ] = False,
 ) -> None:
-    """The scorecard: what the works print beside our numbers, with a verdict."""
+    """Compare the numbers of the three works with ours, and give a verdict for each."""
     from mobility_imu.reproduction.real_scorecard import print_real, real_records, real_scorecard
     from mobility_imu.reproduction.scorecard import print_scorecard, scorecard, to_records
 
@@ -48,7 +48,7 @@ def reproduce(
 
 @contextmanager
 def _progress() -> Iterator[Callable[[int, int], None]]:
-    """Bar on standard error; it is told how much is done, and of how much."""
+    """Progress bar on standard error; the caller states how much is done, and of how much."""
     from rich.console import Console
     from rich.progress import Progress
 

@@ -21,13 +21,13 @@ WalkerCourse = Literal["corridor", "rectangle", "timed-up-and-go"]
 Level = Literal["data-sheet", "sensor", "realistic", "real"]
 ScooterLevel = Literal["data-sheet", "real"]
 WheelchairLevel = Literal["sample", "real"]
-LEVEL_HELP = "Sensors: the usual sizes, or those that real recordings show."
+LEVEL_HELP = "Errors of the sensors: the usual sizes, or those of real recordings."
 
-app = sub_app("Recordings with known truth.")
+app = sub_app("Simulate recordings with known truth.")
 
 
 class _FolderOutputs:
-    """Files of one folder, which is made for them."""
+    """Output files of one folder; the folder is made if necessary."""
 
     def __init__(self, folder: Path, names: Sequence[str]) -> None:
         self.folder = folder
@@ -69,7 +69,7 @@ def _summarize(device: str, folder: Path, seed: int, names: Sequence[str], quiet
 def scooter(
     output: Folder,
     seed: Seed,
-    course: Annotated[ScooterCourse, typer.Option(help="What is driven.")] = "curves",
+    course: Annotated[ScooterCourse, typer.Option(help="Course to drive.")] = "curves",
     level: Annotated[ScooterLevel, typer.Option(help=LEVEL_HELP)] = "data-sheet",
     quiet: Quiet = False,
 ) -> None:
@@ -100,14 +100,17 @@ def wheelchair(
 def walker(
     output: Folder,
     seed: Seed,
-    course: Annotated[WalkerCourse, typer.Option(help="What is walked.")] = "corridor",
+    course: Annotated[WalkerCourse, typer.Option(help="Course to walk.")] = "corridor",
     level: Annotated[
         Level,
         typer.Option(
-            help="Noise only, errors of the sensor, of the frame as well, as real sensors are."
+            help="data-sheet: noise only; sensor: its other errors, too; realistic: also those of "
+            "the frame; real: sensors as in real recordings."
         ),
     ] = "realistic",
-    pose: Annotated[int, typer.Option(help="Mounting of the paper's Table 1.", min=1, max=5)] = 1,
+    pose: Annotated[
+        int, typer.Option(help="Pose of the IMU in the paper's Table 1.", min=1, max=5)
+    ] = 1,
     quiet: Quiet = False,
 ) -> None:
     """A walking frame: tilts for the calibration, a walk, its truth, geometry and true mount."""

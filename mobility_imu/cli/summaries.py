@@ -1,4 +1,4 @@
-"""Summaries of the commands: what was read, what was found, what is uncertain, where it is.
+"""Summaries of the commands: what was read, what was found, how sure it is, where it was written.
 
 Each function returns the lines for one command's result, without the line of the files.
 """
@@ -63,7 +63,7 @@ def ride_lines(found: RideAngles) -> list[str]:
     list of str
     """
     if not found.valid.any():
-        return ["no sample is valid: no angle can be told"]
+        return ["no sample is valid, so no angle is known"]
     lines = []
     for name in ("steering", "throttle"):
         angle, sd = (
@@ -97,8 +97,8 @@ def scooter_mount_lines(found: ScooterCalibration) -> list[str]:
 
 
 VERDICTS = {
-    "agrees": "agrees: the differences are as small as the stated uncertainty lets expect",
-    "differs": "differs: the differences are larger than the stated uncertainty explains",
+    "agrees": "agrees: the differences are not larger than the stated uncertainty predicts",
+    "differs": "differs: the differences are larger than the stated uncertainty predicts",
     "cannot be judged": "cannot be judged",
 }
 """What ``scooter check`` says for each verdict."""
@@ -127,9 +127,9 @@ def pose_check_lines(found: PoseCheck) -> list[str]:
 
 
 def velocity_lines(found: ChairVelocity) -> list[str]:
-    """Distance forward less backward and turn with their uncertainty, and slip.
+    """Distance forward minus backward, and turn, with their uncertainty; fraction of slip.
 
-    The errors of the speed count as one error that keeps its sign: this is their worst case.
+    All errors of the speed are assumed to have the same sign: this is the worst case.
 
     Parameters
     ----------
@@ -151,12 +151,12 @@ def velocity_lines(found: ChairVelocity) -> list[str]:
         f"turn from beginning to end: {_whole(turn)} deg ({uncertainty}), left positive",
         f"slip: {_percent(found.slip)} of the time"
         if np.isfinite(found.wheel_yaw_rate_radps).any()
-        else "slip: cannot be seen with one wheel",
+        else "slip: cannot be found with one wheel",
     ]
 
 
 def check_lines(found: GeometryCheck) -> list[str]:
-    """Whether the geometry fits.
+    """Whether the stated geometry agrees with the recording.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def tasks_lines(found: Tasks) -> list[str]:
 
 
 def walker_mount_lines(found: WalkerCalibration) -> list[str]:
-    """Place and turn of the IMU with their standard deviations.
+    """Place and rotation of the IMU, with their standard deviations.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def trajectory_lines(found: Trajectory, steps: Steps | None) -> list[str]:
     Parameters
     ----------
     found : Trajectory
-    steps : Steps, or None if none could be told
+    steps : Steps, or None if none were found
 
     Returns
     -------

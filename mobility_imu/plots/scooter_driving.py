@@ -40,7 +40,7 @@ class AnglesInTime(NamedTuple):
 
 
 def plot_ride(ride: SimulatedRide, moving: NDArray[np.bool_], wire_deg: FloatArray) -> Figure:
-    """Plot what was recorded of one ride.
+    """Plot the recorded signals of one ride.
 
     Parameters
     ----------

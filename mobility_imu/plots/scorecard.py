@@ -1,4 +1,4 @@
-"""The scorecard's figure of totals and its tables of rows, made for a page."""
+"""Figures and tables of the scorecard, made for a page."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def plot_totals(counted: pd.DataFrame) -> Figure:
 
     Returns
     -------
-    Figure: one panel per work, one bar per basis; the number of rows stands behind each bar
+    Figure: one panel per work, one bar per basis; the number of rows is written beside each bar
     """
     import matplotlib.pyplot as plt
 

@@ -1,4 +1,4 @@
-"""Tables that several chapters show alike: statements of a work with their verdicts, Table 1."""
+"""Tables that several chapters show: statements of a work with their verdicts, and Table 1."""
 
 from __future__ import annotations
 
@@ -125,5 +125,5 @@ def show_static_table(
 
 
 def _short(value: float) -> str:
-    """Four digits; what is rounding of a float is zero."""
+    """Four digits; a rounding error of a float becomes zero."""
     return "0" if abs(value) < 1e-12 else f"{value:.4g}"

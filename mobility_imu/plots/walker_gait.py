@@ -31,7 +31,7 @@ def plot_step_signals(
     steps: Steps,
     span_s: tuple[float, float],
 ) -> Figure:
-    """Plot what the stillness detector sees, the height, and the lifts and placements found.
+    """Plot the stillness detector's signals, the height, and the lifts and placements found.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def plot_distributions(
 
 
 def plot_sweeps(sweeps: Sequence[dict[str, Any]]) -> Figure:
-    """Plot in how many walks the count is exact against one thing that varies, panel by panel.
+    """Plot the fraction of walks with an exact count; each panel varies one thing.
 
     Parameters
     ----------

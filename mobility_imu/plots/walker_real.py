@@ -1,4 +1,4 @@
-"""Figures of real walks with a frame, and of feet beside motion capture; drawn from the records."""
+"""Figures of real walks with a walking frame, and of feet; drawn from the records."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Drawings of the walker's calibration: tilts, distances, triangles, angles, poses.
 
-They are drawn from the captions, the text and the equations of Doan & Pham (2020), Figures 2 to 5;
-the originals were not seen. Shape and size of the frame are assumed; where the IMU sits is given
-by the caller.
+They follow the captions, the text and the equations of Doan & Pham (2020), Figures 2 to 5; we have
+not seen the originals. Shape and size of the walking frame are assumed; the caller gives the place
+of the IMU.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ def chronogram(
     linear_velocity_mps: ArrayLike | None = None,
     yaw_rate_radps: ArrayLike | None = None,
 ) -> Figure:
-    """Draw when which task was done: one band per task, velocities above if they are given.
+    """Draw at which times each task was done: one band per task, and velocities above if given.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def _spans(time_s: FloatArray, task: Codes) -> Spans:
 
 
 def _thinned(time_s: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Leave out what no page shows: of each interval the smallest and the largest value remain."""
+    """Leave out points that a page cannot show; each interval keeps its extreme values."""
     if len(values) <= LONGEST_LINE:
         return time_s, values
     edges = np.linspace(0, len(values), LONGEST_LINE // 2 + 1).astype(int)[:-1]

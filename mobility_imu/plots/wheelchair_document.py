@@ -1,7 +1,7 @@
-"""The two figures of the WheelMove-ID document (v0), in our own hand.
+"""The two figures of the WheelMove-ID document (v0), drawn by ourselves.
 
-Figure 1 is drawn after the original, which was looked at; the chronogram is drawn from a series of
-ours, because the numbers behind the printed one are not available.
+We looked at the original Figure 1. The chronogram shows a series of ours, because the numbers of
+the printed chronogram are not available.
 """
 
 from __future__ import annotations

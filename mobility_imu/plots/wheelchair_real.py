@@ -1,4 +1,4 @@
-"""Figures of the chair on others' recordings; they take recorded numbers, not recordings."""
+"""Figures of the chair on recordings of other people; drawn from the records."""
 
 from __future__ import annotations
 

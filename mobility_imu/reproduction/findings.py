@@ -21,11 +21,11 @@ from mobility_imu.reproduction.claims import Work
 
 Kind = Literal["contradiction", "error", "ambiguity", "silence", "our copy"]
 KINDS: dict[Kind, str] = {
-    "contradiction": "two statements of the text cannot both hold",
-    "error": "one reading, and it is wrong",
-    "ambiguity": "two readings, and the text does not decide",
-    "silence": "the text does not say, and it matters",
-    "our copy": "a single token: our text copy may be at fault, not the original",
+    "contradiction": "two statements of the text cannot both be true",
+    "error": "the text has only one meaning, and it is wrong",
+    "ambiguity": "the text can mean two things, and does not say which",
+    "silence": "the text does not state something that matters",
+    "our copy": "a single character or number: our text copy may be wrong, not the original",
 }
 """Kinds of findings and what each means."""
 

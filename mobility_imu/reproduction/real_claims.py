@@ -20,17 +20,17 @@ Numbers = Mapping[str, Any]
 Rows = Callable[[str, Numbers], list[Claim]]
 REAL_BASIS: Basis = "tried on independent real recordings"
 TWICE = (
-    "up to twice the simulated value: other sensors and another motion; chosen when first results "
-    "were known"
+    "up to twice the simulated value, because sensors and motion are different; chosen when first "
+    "results were known"
 )
 LEAST_COVERED = 0.85
 COVERED_FROM = (
-    "95 % is stated; 85 % is the least that we accept of dependent samples; chosen before the "
-    "standard deviations were mended"
+    "95 % is stated; neighbouring samples have similar errors, so we accept 85 % or more; chosen "
+    "before the standard deviations were corrected"
 )
 WITHIN_TWO = (
-    "in every recording: a stated deviation that is off by more than two tells too little; chosen "
-    "before the standard deviations were mended"
+    "in every recording: a stated deviation that is wrong by more than a factor of two is of "
+    "little use; chosen before the standard deviations were corrected"
 )
 
 
@@ -214,7 +214,7 @@ def limited(record: str, what: str, unit: str, sides: Sides, n: int, limit: floa
         reference=limit,
         reference_from="a limit of ours, chosen when first results were known",
         bound="below",
-        tolerance_reason="what is of use to who measures a chair",
+        tolerance_reason="a larger error would be of no use to a person who measures a chair",
         why="the simulation promised too much",
     )
 
@@ -265,11 +265,11 @@ def _method_rows(record: str, summary: Numbers, method: str) -> list[Claim]:
     return [
         counted(
             record,
-            f"recordings that the {name} answers",
+            f"recordings for which the {name} gives a result",
             _sides(summary, answered),
             n,
             tolerance=0.0,
-            reason="each is a sound recording and has to be answered",
+            reason="each recording is good, so the method must give a result",
         ),
         counted(
             record,
@@ -277,8 +277,8 @@ def _method_rows(record: str, summary: Numbers, method: str) -> list[Claim]:
             _sides(summary, valid),
             n,
             tolerance=0.1,
-            reason="one in ten may be where an angle cannot be seen; chosen when first results "
-            "were known",
+            reason="in one of ten samples an angle may not be observable; chosen when first "
+            "results were known",
         ),
     ]
 
@@ -320,7 +320,7 @@ def _walk_rows(record: str, numbers: Numbers) -> list[Claim]:
         ),
         counted(
             record,
-            "steps found beside the labels, per label",
+            "other steps found, per label",
             Sides(summary["others"] / labels, others, as_real[1]),
             labels,
             tolerance=0.06,
@@ -347,17 +347,17 @@ def _feet_rows(record: str, numbers: Numbers) -> list[Claim]:
     as_real = numbers["summary"].get("simulated_as_real", {}).get("smoothed_rms_m", math.nan)
     rows = []
     for part, name in (
-        ("frame", "settings for a frame, rests given"),
-        ("foot", "settings for a foot, rests given"),
-        ("detector", "settings for a frame, its own rests"),
+        ("frame", "with settings for a frame, rests given"),
+        ("foot", "with settings for a foot, rests given"),
+        ("detector", "with settings for a frame, rests by our detector"),
     ):
         found = numbers["summary"][part]
         n = found["walks"]
         error = Sides(found["median_rms_m"], walks["smoothed_rms_m"], as_real)
         rows += [
-            promised(record, f"place by {name}: rms error, median over walks", "m", error, n),
-            covered(record, f"place by {name}", Sides(found["covered_percent"] / 100), n),
-            within_two(record, f"place by {name}", Sides(found["within_factor_two"] / n), n),
+            promised(record, f"place {name}: rms error, median over walks", "m", error, n),
+            covered(record, f"place {name}", Sides(found["covered_percent"] / 100), n),
+            within_two(record, f"place {name}", Sides(found["within_factor_two"] / n), n),
         ]
     return rows
 
@@ -372,7 +372,11 @@ def _chair_rows(record: str, numbers: Numbers) -> list[Claim]:
     rows = [
         promised(record, "speed: rms error, median over trials", "m/s", of("speed_rms_mps"), n),
         promised(
-            record, "way: largest error over trials, of the way", "1", _sides(summary, _off_way), n
+            record,
+            "distance: largest error over trials, as a fraction of the distance",
+            "1",
+            _sides(summary, _off_way),
+            n,
         ),
         covered(record, "speed", _sides(summary, lambda part: float(part["speed_inside"])), n),
         within_two(record, "speed", Sides(_within_two(numbers["rows"])), n),
@@ -392,7 +396,7 @@ def _car_rows(record: str, numbers: Numbers) -> list[Claim]:
         limited(record, "speed: rms error, largest over drives", "m/s", speed, n, 0.15),
         limited(
             record,
-            "way: largest error over drives, of the way",
+            "distance: largest error over drives, as a fraction of the distance",
             "1",
             Sides(_off_way(summary)),
             n,
@@ -414,23 +418,27 @@ def _drive_rows(record: str, numbers: Numbers) -> list[Claim]:
     return [
         counted(
             record,
-            "drives that are answered",
+            "drives that give a result",
             Sides(1 - summary["refused"] / n, 1.0),
             n,
             tolerance=0.0,
-            reason="each is a sound recording and has to be answered",
+            reason="each recording is good, so the method must give a result",
         ),
-        limited(record, "way against the one by hand: largest error", "1", Sides(off), n, 0.02),
-        limited(record, "turn against the one by hand: largest error", "deg", Sides(angle), n, 4.0),
+        limited(
+            record, "distance against the count by hand: largest error", "1", Sides(off), n, 0.02
+        ),
+        limited(
+            record, "turn against the count by hand: largest error", "deg", Sides(angle), n, 4.0
+        ),
         _claim(
             record,
-            "drives that turn whose stated 95 % interval holds the track by hand",
+            "drives in circles whose stated 95 % interval contains the track by hand",
             "1",
             _sides(summary, _track_inside),
             judged,
             reference=1.0,
             reference_from="all of them",
-            tolerance_reason="three drives: each has to hold it",
+            tolerance_reason="three drives: each interval must contain the track",
             why="the stated uncertainty does not hold",
         ),
     ]
@@ -470,15 +478,15 @@ def _held_drive_rows(record: str, numbers: Numbers) -> list[Claim]:
     return [
         counted(
             record,
-            "drives that are answered",
+            "drives that give a result",
             Sides(1 - summary["refused"] / n, 1.0),
             n,
             tolerance=0.0,
-            reason="each is a sound recording and has to be answered",
+            reason="each recording is good, so the method must give a result",
         ),
         limited(
             record,
-            "track against the one by hand of other drives: largest error",
+            "track against the count by hand of other drives: largest error",
             "m",
             Sides(summary["track_off_m"]),
             judged,
@@ -486,13 +494,13 @@ def _held_drive_rows(record: str, numbers: Numbers) -> list[Claim]:
         ),
         _claim(
             record,
-            "drives that turn whose stated 95 % interval holds the track by hand",
+            "drives in circles whose stated 95 % interval contains the track by hand",
             "1",
             _sides(summary, _track_inside),
             judged,
             reference=1.0,
             reference_from="all of them",
-            tolerance_reason="four drives: each has to hold it",
+            tolerance_reason="four drives: each interval must contain the track",
             why="the stated uncertainty does not hold",
         ),
     ]

@@ -51,15 +51,21 @@ class Headline(NamedTuple):
 
 
 _OFFSET = (
-    "accelerometers' offsets of 0.2 m/s² are drawn anew whenever the sensors are switched on, "
-    "after the calibration, too"
+    "the accelerometers get new offsets (0.2 m/s²) whenever they are switched on, also after the "
+    "calibration"
 )
-_CLOCKS = "half of it is clocks that are up to 30 ms apart"
-_GYROSCOPES = "`check` assumes scale factors to 1 %, as these sensors have, and axes to 0.4 deg"
-_SIZES = "scale factors are off by 1 % and axes by 0.6 deg, three to six times a data sheet's"
+_CLOCKS = "half of the error comes from clocks that differ by up to 30 ms"
+_GYROSCOPES = (
+    "`check` assumes scale factors right to 1 %, as on these sensors, and axes right to 0.4 deg"
+)
+_SIZES = (
+    "scale factors are wrong by 1 % and axes by 0.6 deg, three to six times as much as on a data "
+    "sheet"
+)
 _CREEP = (
-    "the frame's tips creep forward between two steps while the sensor rests: no IMU sees it, and "
-    "it is in no stated deviation; without it, a data sheet's sensors are covered"
+    "between two steps the frame's tips creep forward while the sensor seems to rest; no IMU can "
+    "measure this creep, and no stated deviation contains it; without creep, the interval is right "
+    "with a data sheet's sensors"
 )
 _PAST, _TEST = "past the paper", "driving test"
 _SPEED, _SLIP, _TASKS = "velocities", "slip", "tasks judged by truth"
@@ -150,16 +156,28 @@ HEADLINES: tuple[Headline, ...] = (
                 "m/s",
                 "error",
             ),
-            ("slip_uncorrected_rms_mps", _SLIP, "the same, not corrected", "m/s", "error"),
+            (
+                "slip_uncorrected_rms_mps",
+                _SLIP,
+                "speed where one wheel slips, not corrected: rms error",
+                "m/s",
+                "error",
+            ),
             ("slip_flags_right", _SLIP, "flagged frames that slip", "1", "fraction"),
             ("slip_found", _SLIP, "slipping frames that are flagged", "1", "fraction"),
-            ("tasks_alike", _TASKS, "frames with the task that was driven", "1", "fraction"),
+            (
+                "tasks_alike",
+                _TASKS,
+                "frames with the task that the chair really did",
+                "1",
+                "fraction",
+            ),
         )
     ),
     *(
         Headline("walker", *rest)
         for rest in (
-            ("answered", _MOUNT, "calibrations that are answered", "1", "fraction"),
+            ("answered", _MOUNT, "calibrations that give a result", "1", "fraction"),
             (
                 "mount_error_m",
                 _MOUNT,
@@ -168,10 +186,16 @@ HEADLINES: tuple[Headline, ...] = (
                 "error",
                 _SIZES,
             ),
-            ("mount_turn_deg", _MOUNT, "its rotation: error", "deg", "error", _SIZES),
+            ("mount_turn_deg", _MOUNT, "rotation of the sensor: error", "deg", "error", _SIZES),
             ("mount_covered", _MOUNT, "place: inside the stated 95 % interval", "1", "covered"),
             ("corridor_distance_percent", _CORRIDOR, "distance of 10 m: error", "%", "error"),
-            ("corridor_end_percent", _CORRIDOR, "end of the walk: error, of the way", "%", "error"),
+            (
+                "corridor_end_percent",
+                _CORRIDOR,
+                "end of the walk: error in percent of the distance",
+                "%",
+                "error",
+            ),
             (
                 "corridor_end_covered",
                 _CORRIDOR,
@@ -183,7 +207,7 @@ HEADLINES: tuple[Headline, ...] = (
             (
                 "rectangle_end_percent",
                 _RECTANGLE,
-                "end of 17.5 m: error, of the way",
+                "end of the walk: error in percent of its 17.5 m",
                 "%",
                 "error",
                 _SIZES,

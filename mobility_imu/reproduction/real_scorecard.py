@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 ABOUT_REAL = (
-    "Recordings that others made, with a reference of theirs, run with default settings. An error "
-    "may be twice what our simulations promised; a stated uncertainty has to hold. The numbers are "
-    "recorded with origin, checksums and command, and computed again where the recordings are. "
-    "Simulated is the same measure on our simulated recordings; at real level: with sensors as bad "
-    "as real recordings show them."
+    "Our methods, with default settings, on recordings of other people. An error agrees if it is "
+    "at most twice that on our simulated recordings; stated uncertainties must be right. The "
+    "numbers are recorded with origin, checksums and command. If the recordings are on this "
+    "machine, they are computed again. Simulated: the same measure on our simulated recordings. At "
+    "real level: the same with simulated sensors as bad as real ones."
 )
 """The sentence with which the command begins."""
 COLOURS = {"as recorded": "green", "differs": "red", "other files": "red"}
@@ -122,7 +122,7 @@ def _promises(outcomes: Sequence[Outcome]) -> Table:
 
     as_real = any(not math.isnan(o.claim.simulated_as_real) for o in outcomes)
     table = Table(
-        title="Found on real recordings, and promised by simulation", title_justify="left"
+        title="Found on real recordings, and predicted by simulation", title_justify="left"
     )
     for heading in ("set", "what", "unit"):
         table.add_column(heading)

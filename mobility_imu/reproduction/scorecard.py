@@ -29,10 +29,11 @@ if TYPE_CHECKING:
 
 WORKS: tuple[Work, ...] = get_args(Work)
 NO_RECORDING = (
-    "No recording of a study was available to us, so no published result was reproduced from one. "
-    "What was recomputed from printed numbers, follows from geometry, was computed on the public "
-    "sample of WheelMove-ID or on simulated data is counted apart. The scooter's authors offer "
-    "their data on request; neither they nor the others have been asked."
+    "No recording of the three studies was available to us, so no published result was reproduced "
+    "from a recording. The table counts separately what we recomputed from printed numbers, "
+    "computed by geometry alone, on the public sample of WheelMove-ID, on recordings of other "
+    "people or on simulated data. The scooter's authors offer their data on request; we have asked "
+    "neither them nor the other authors."
 )
 """The sentence with which page, front page and command begin."""
 
@@ -59,26 +60,26 @@ WORK_VERDICTS = (
         "scooter",
         "replication",
         "partial",
-        "The equations are right, and geometry explains most errors of one IMU at rest. The "
-        "errors of two IMUs and the driving test need the readings. The readings are not published "
-        "(the paper offers them on request; we have not asked). In our simulation the statements "
-        "on the driving test hold for some scooters only.",
+        "The equations are right, and geometry explains most errors of one IMU at rest. To check "
+        "the errors of two IMUs and the driving test, one needs the readings. They are not "
+        "published (the paper offers them on request; we have not asked). In our simulation the "
+        "statements on the driving test are true for some scooters only.",
     ),
     WorkVerdict(
         "wheelchair",
         "reproduction",
         "partial",
-        "Of the public tool's answers, not of a study: its labels come out frame by frame. "
-        "The document itself prints no results. The term for camber has to be changed "
+        "We reproduced the answers of the public tool, not a study: our labels equal the tool's in "
+        "every frame. The document itself prints no results. The term for camber must be changed "
         "before the wheels show the right yaw rate.",
     ),
     WorkVerdict(
         "walker",
         "replication",
         "partial",
-        "The calibration works in simulation, and the printed averages recompute. The distances "
-        "and closing errors need the recordings, which are not published; the closing errors "
-        "contain a lever arm, so that they are no target.",
+        "The calibration works in simulation, and 58 of 60 printed averages are right. To check "
+        "the distances and closing errors, one needs the recordings. They are not published. The "
+        "closing errors contain a lever arm, so a reproduction needs another target.",
     ),
 )
 """One verdict for each work; the scorecard's page defines the scale."""
@@ -329,8 +330,8 @@ def terminal() -> Console:
 
 
 COUNTED_AMONG = (
-    "Among the rows that agree: trivial too, where a trivial model agrees as well; settings "
-    "copied, where our number is a setting taken from the text, so that only our "
+    "The last two columns count rows among those that agree: trivial too, if a trivial model "
+    "agrees as well; settings copied, if our number is a setting from the text, so that only our "
     "copying was checked."
 )
 """What the last two columns of the totals count."""

@@ -34,16 +34,16 @@ def range_of_the_throttle() -> Evidences:
     return (
         Evidence(
             what="largest 90 % error of the throttle",
-            first_from="share of the measured error, range of exactly 40°",
+            first_from="11.3 % is the measured error, range of exactly 40°",
             first=share / 100 * stated,
-            second_from='share of the stated limit, range "approximately" 40°',
+            second_from='11.3 % is the stated limit, range "approximately" 40°',
             second=limit,
             tolerance=0.05,
             unit="deg",
         ),
         Evidence(
-            what="share of the range",
-            first_from="limit over a range of exactly 40°, the third reading",
+            what="largest 90 % error in percent of the range",
+            first_from="stated limit, range of exactly 40°",
             first=100 * limit / stated,
             second_from="as printed",
             second=share,
@@ -126,7 +126,7 @@ def right_side_slope() -> Evidences:
     ours = static_table().set_index(["row", "column", "quantity"])["value"]
     return tuple(
         Evidence(
-            what=f"what one IMU errs more than two, cell 5-{column}",
+            what=f"mean error of one IMU minus that of two, cell 5-{column}",
             first_from="as printed",
             first=float(
                 printed["right", column, "single_mae"] - printed["right", column, "dual_mae"]
@@ -195,7 +195,7 @@ def side_that_is_up() -> Evidences:
             unit="deg",
         ),
         Evidence(
-            what="cells of 25 with one IMU that geometry meets within 1°",
+            what="cells of 25 with one IMU that geometry gives within 1°",
             first_from="left side up",
             first=near[0],
             second_from="left side down",
@@ -226,7 +226,7 @@ def merit_over_subtraction() -> Evidences:
     cases: tuple[tuple[str, tuple[float, float], Relation], ...] = (
         ("wheel at ±20°, side slope of 7°, ideal sensors", errors(slope, 20.0, 0.0), "first below"),
         (
-            "wheel straight, braking by 1 m/s², lever's x off by 0.1 m/s²",
+            "wheel straight, braking by 1 m/s², lever's x wrong by 0.1 m/s²",
             errors(braking, 0.0, 0.1),
             "first above",
         ),

@@ -141,7 +141,7 @@ def difference_of_tables_3_and_4() -> Evidences:
     printed = [printed_average(3, "distance"), printed_average(4, "position")]
     lengths = tuple(
         Evidence(
-            what=f"mean horizontal lever arm beside the printed closing error, method {k + 1}",
+            what=f"mean horizontal lever arm, and printed closing error, method {k + 1}",
             first_from="lever arm, Table 1",
             first=arms[k],
             second_from=f"closing error, Table {k + 3}",
@@ -198,15 +198,15 @@ def difference_of_the_methods() -> Evidences:
         ),
         Evidence(
             what="the same, by pose",
-            first_from="pose in which the second method comes out best",
+            first_from="pose in which the second method is best",
             first=float(by_pose.min()),
-            second_from="pose in which it comes out worst",
+            second_from="pose in which the second method is worst",
             second=float(by_pose.max()),
             unit="m",
             relation="first below",
         ),
         Evidence(
-            what="mean distance between the two positions beside the error of the mean",
+            what="mean distance of the two positions, and difference of the mean closing errors",
             first_from="distance of T1 and T2, Table 1",
             first=float(np.mean([_apart(pose) for pose in POSES])),
             second_from="difference of the mean closing errors",
@@ -226,10 +226,10 @@ def accuracy_and_error() -> Evidences:
     before, now = quoted("K19", r"approximately ([0-9.]+)% in"), quoted("K19", r"and ([0-9.]+)% in")
     return (
         Evidence(
-            what="now against before",
-            first_from="accuracy now over accuracy before",
+            what="ratio of the result now to the result before",
+            first_from="as accuracies",
             first=now / before,
-            second_from="error now over error before",
+            second_from="as errors",
             second=(100 - now) / (100 - before),
             tolerance=0.1,
         ),

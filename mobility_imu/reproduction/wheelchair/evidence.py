@@ -137,7 +137,7 @@ def camber_term() -> Evidences:
     return (
         *(
             Evidence(
-                what=f"the wheels' over the true yaw rate, {turn} turn, the sample's chair",
+                what=f"the wheels' yaw rate over the true one, {turn} turn, the sample's chair",
                 first_from="printed root, the public tool's signs and distance",
                 first=gain,
                 second_from="yaw rate in place of the root",
@@ -231,7 +231,7 @@ def letters_without_a_task() -> Evidences:
             what="forward frames of 200, a chair that rocks back and forth (mean −0.025 m/s)",
             first_from="the public tool's rule and ours",
             first=float((by_rule == Task.FORWARD).sum()),
-            second_from="frames with the letter c for the velocity, as Table 2 wants it",
+            second_from="frames with the letter c for the velocity, as Table 2 requires",
             second=float((steps.symbols.velocity[middle] == "abc".index("c")).sum()),
             tolerance=0.5,
         ),
