@@ -76,8 +76,8 @@ SPIKE_RADPS, SPIKE_MPS2, LEAST_SPIKE_MPS2, SPIKE_TIMES = 0.5, 8.0, 3.0, 8.0
 around them. On 16 real walks the largest are 0.32 rad/s and 3.7 m/s². A smaller one of the
 accelerometer is told if the velocity comes back to zero without it."""
 AGREE = 0.25
-"""Neighbours of a spike agree if they differ by less than this part of it, as in
-:func:`mobility_imu.health.single_spikes`."""
+"""Neighbours of a spike agree if they differ by less than this part of it, as for the spikes that
+every recording is examined for."""
 SPOILT_TIMES, COMES_BACK = 3.0, 0.5
 """The velocity after a move comes back to zero without a reading if it was more than so many times
 the usual one, and then is less than this part of it. Our choice, not swept."""

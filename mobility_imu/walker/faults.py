@@ -193,10 +193,13 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
     """Samples of a path that no fault touches.
 
     A rest brings velocity and tilt back, never place and heading. So a fault that nothing can undo,
-    or that moves place or heading by more than their stated standard deviations at the end, leaves
-    everything from its first sample on not valid. One that costs less touches its own samples, or
-    none if it lasts throughout. One that could be undone, but whose cost is not known, touches its
-    own samples, also if these are all.
+    or that moves place (in space) or heading by more than their stated standard deviations at the
+    end, leaves everything from its first sample on not valid. One that costs less touches its own
+    samples, or none if it lasts throughout. One that could be undone, but whose cost is not known,
+    touches its own samples, also if these are all.
+
+    A start that moves does not count, since the path begins after it. "At odds" counts only where
+    nothing else is told: another fault is its cause.
 
     Parameters
     ----------
@@ -210,7 +213,7 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
     expect("found", found, Trajectory)
     valid = np.ones(len(found), np.bool_)
     sds = {
-        "place": float(found.horizontal_sd_m[-1]),
+        "place": float(np.linalg.norm(found.position_sd_m[-1])),
         "heading": float(np.rad2deg(found.yaw_sd_rad[-1])),
     }
     faults = [fault for fault in faults if fault.code != "start"]

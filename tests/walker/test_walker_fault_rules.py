@@ -134,6 +134,19 @@ def test_samples_that_a_fault_of_unknown_cost_leaves():
         assert not valid([fault(at=whole, repair=repair)]).any()
     small = fault(at=whole, repair=same, costs=(Cost("place", 0.0, "m"),))
     assert valid([small]).all()
+    assert valid([fault("start", at=slice(0, late + 5))]).all()
+    odds = fault("at odds", at=slice(late + 200, late + 300))
+    assert not valid([odds])[200:].any() and valid([odds, small]).all()
+
+
+def test_a_place_is_held_against_its_deviation_in_space():
+    """What is moved is a distance in space, so is what it is allowed."""
+    floor, space = path().horizontal_sd_m[-1], np.linalg.norm(path().position_sd_m[-1])
+    between = fault(at=slice(None), repair=same, costs=(Cost("place", (floor + space) / 2, "m"),))
+    beyond = fault(at=slice(None), repair=same, costs=(Cost("place", 1.01 * space, "m"),))
+    assert floor < space
+    assert valid_samples(path(), [between]).all()
+    assert not valid_samples(path(), [beyond]).any()
 
 
 def test_a_path_is_moved_by_the_distance_in_space():
