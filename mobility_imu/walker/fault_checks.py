@@ -60,7 +60,7 @@ from which the path starts; of three that follow each other. On 16 real walks th
 0.41 and 0.41 deg/s; with unsteady hands all are large, so that the last two also have to be
 :data:`REST_TIMES` the usual one."""
 REST_TIMES, FEWEST_RESTS = 5.0, 3
-"""The second: rests whose median leaves one that is off out, the fewest that do."""
+"""Times the usual size; and the fewest rests whose median leaves out one that is off."""
 JUMP_RADPS, JUMP_TIMES = float(np.deg2rad(0.1)), 6.0
 """Difference of the rests' median rates before and after a moment, and how many times its standard
 deviation it has to be. On 16 real walks the largest is 5.0 times."""

@@ -1,14 +1,17 @@
 """The study of faults put into walks: its rows add up, and the same case gives the same row."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from mobility_imu.reproduction.recorded import numbers
 from mobility_imu.reproduction.walker import faults
 from mobility_imu.reproduction.walker.fault_kinds import KINDS, TILT_KINDS
 
 RECORD = "faults_walker"
-TOLD, RIGHT, TOLD_LARGE, TILTS_ALARMED = 0.8, 0.75, 0.85, 0.05
+TOLD, RIGHT, TOLD_LARGE, TILTS_ALARMED = 0.81, 0.78, 0.94, 0.03
 
 
 @pytest.mark.parametrize("kind", ["reversed gyroscope", "clock", "rolls", "tilts, scale"])
@@ -47,6 +50,23 @@ def test_rows_add_up():
     assert made["clean"]["real"]["walk_with_alarm"] == 0
 
 
+def test_a_mount_moves_by_a_distance_and_an_angle():
+    """7 cm along three axes; the axis that is furthest off by its own deviation decides."""
+    clean = faults._calibration(0)
+    turn = Rotation.from_rotvec(np.deg2rad(3.0) * np.array([0.6, 0.0, 0.8])).as_matrix()
+    apart = np.array([0.02, -0.03, 0.06])
+    mount = replace(
+        clean.mount,
+        rotation_imu_to_body=turn @ clean.mount.rotation_imu_to_body,
+        translation_body_m=clean.mount.translation_body_m + apart,
+    )
+    moved = faults._mount_moved(clean, replace(clean, mount=mount))
+    ratio, distance = moved["position of the IMU"]
+    sd = clean.translation_sd_m + faults.SETTLED_MOUNT_M
+    assert (ratio, distance) == pytest.approx((np.max(np.abs(apart) / sd), 0.07))
+    assert moved["turn of the IMU"][1] == pytest.approx(3.0)
+
+
 def test_an_example_for_the_chapter():
     """The same walk with and without the fault, which is told with its cost."""
     example = faults.example("reversed gyroscope", 2)
@@ -78,15 +98,16 @@ def test_the_record_has_a_hundred_of_each_kind():
 
 
 def test_what_the_record_says_of_all_kinds():
-    """Floors under what was computed; 98 % told and 1 % of false alarms were wished for, and are
-    missed: faults from twice a stated deviation on are nearly as small as what moves a path anyway.
+    """Floors under the computed figures. 98 % told and 1 % of false alarms of tilts are missed.
+
+    Of the faults that move the result by more than two stated deviations four in five are told, of
+    those that move it by more than ten 94 %.
     """
     kept = numbers(RECORD)
     cases = faults.table(kept)
     matter = cases[(cases["ratio"] > faults.MATTERS) & (cases["found_as"] != "refused")]
     told, right = (matter["found_as"] != "").mean(), matter["right"].mean()
     assert 0.98 > told >= TOLD and right >= RIGHT, (told, right)
-    # Large ones: nine of ten.
     large = matter[matter["ratio"] > 10]
     assert (large["found_as"] != "").mean() >= TOLD_LARGE
     levels = kept["clean"].values()

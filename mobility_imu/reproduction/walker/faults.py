@@ -219,14 +219,17 @@ def _mount_of(faulty: Injected) -> WalkerCalibration:
 
 
 def _mount_moved(clean: WalkerCalibration, faulty: WalkerCalibration) -> Moved:
-    """How far the mount moved: in standard deviations, and in m and deg."""
+    """How far the mount moved: in standard deviations, and in m and deg.
+
+    Each axis of the position over its own standard deviation, the largest; the cost is a distance.
+    """
     apart = faulty.mount.translation_body_m - clean.mount.translation_body_m
     turn = faulty.mount.rotation_imu_to_body @ clean.mount.rotation_imu_to_body.T
-    place, place_sd = float(np.linalg.norm(apart)), float(np.linalg.norm(clean.translation_sd_m))
+    ratio = float((np.abs(apart) / (clean.translation_sd_m + SETTLED_MOUNT_M)).max())
     angle = float(np.rad2deg(Rotation.from_matrix(turn).magnitude()))
     angle_sd = float(np.rad2deg(np.linalg.norm(clean.rotation_sd_rad)))
     return {
-        "position of the IMU": (place / (place_sd + SETTLED_MOUNT_M), place),
+        "position of the IMU": (ratio, float(np.linalg.norm(apart))),
         "turn of the IMU": (angle / (angle_sd + SETTLED_MOUNT_DEG), angle),
     }
 
