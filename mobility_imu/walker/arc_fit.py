@@ -16,6 +16,7 @@ from mobility_imu.frames import (
     FloatArray,
     as_flags,
     as_number,
+    as_rotation,
     as_vectors,
 )
 from mobility_imu.results import Result
@@ -25,6 +26,9 @@ __all__ = ["ArcFit", "arm_noise", "fit_arc"]
 
 LEAST_TURN_RAD = float(np.deg2rad(1))
 """With less of a turn the noise decides where the axis is."""
+TOLERANCE = 1e-3
+"""Largest entry by which a matrix times its transpose may miss the identity, as that of
+:func:`~mobility_imu.frames.as_rotation`."""
 LARGEST_SIZE = 1e9
 """Of a position, m, and of a noise, above which squares lose their meaning."""
 
@@ -68,8 +72,8 @@ def fit_arc(position_m: ArrayLike, rotation_imu_to_world: ArrayLike) -> ArcFit:
     Raises
     ------
     InputError
-        If there are too few samples, the IMU turns by less than 1 deg, or a number is so large
-        that it is no position or rotation.
+        If there are too few samples, the IMU turns by less than 1 deg, a position is too large for
+        one, or a matrix is no rotation.
     """
     position = as_vectors(position_m, "position_m", ndim=2, finite=True)
     count = len(position)
@@ -102,9 +106,7 @@ def _linear_model(
         raise InputError(
             f"rotation_imu_to_world: expected ({count}, 3, 3) numbers, got {attitude.shape}"
         )
-    # Their determinant is 1; that of larger entries is not computed.
-    if np.abs(attitude).max(initial=0.0) > 2 or not (np.linalg.det(attitude) > 0.5).all():
-        raise InputError("rotation_imu_to_world: expected rotation matrices")
+    _check_rotations(attitude)
     if count < 3:
         raise InputError(f"position_m: {count} sample(s), expected at least 3")
     turns = Rotation.from_matrix(attitude[0].T @ attitude).as_rotvec()
@@ -121,6 +123,15 @@ def _linear_model(
     design[:, :3] = np.tile(np.eye(3), (count, 1))
     design[:, 3:] = (attitude @ basis).reshape(-1, 2)
     return axis, basis, design
+
+
+def _check_rotations(attitude: FloatArray) -> None:
+    """Check that each matrix is a rotation; all at once, and those that look odd one by one."""
+    large = np.abs(attitude).max(axis=(1, 2)) > 2  # of these no product is formed
+    small = np.where(large[:, None, None], 0.0, attitude)
+    off = np.abs(small @ np.swapaxes(small, 1, 2) - np.eye(3)).max(axis=(1, 2))
+    for k in np.flatnonzero((off > TOLERANCE) | (np.linalg.det(small) < 0)):
+        as_rotation(attitude[k], f"rotation_imu_to_world[{k}]", tolerance=TOLERANCE)
 
 
 def arm_noise(
@@ -159,7 +170,10 @@ def arm_noise(
     acc = as_number(acc_noise_mps2_sqrthz, "acc_noise_mps2_sqrthz", zero=True)
     gyr = as_number(gyr_noise_radps_sqrthz, "gyr_noise_radps_sqrthz", zero=True)
     if not SHORTEST_STEP_S <= interval <= LONGEST_STEP_S:
-        raise InputError(f"interval_s = {interval:g}: steps that no clock has")
+        raise InputError(
+            f"interval_s = {interval:g}: expected {SHORTEST_STEP_S:g} to {LONGEST_STEP_S:g} s "
+            "from sample to sample"
+        )
     _check_size("acc_noise_mps2_sqrthz", acc)
     _check_size("gyr_noise_radps_sqrthz", gyr)
     _, basis, design = _linear_model(rotation_imu_to_world, count)

@@ -13,7 +13,7 @@ from scipy import ndimage
 from mobility_imu.faults import Fault, half_of, interpolated, multiplied, shifted, with_half
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.health import fault_of
-from mobility_imu.quality import SHORTEST_FROZEN_S, resolution_of
+from mobility_imu.quality import SHORTEST_FROZEN_S, resolution_of, turned_gravity
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
 from mobility_imu.walker.rest_checks import (
@@ -26,19 +26,23 @@ from mobility_imu.walker.rest_checks import (
 from mobility_imu.walker.saturation import FARTHEST, bridged_rates
 from mobility_imu.walker.stillness import StillnessSettings, stillness_signals
 
-__all__ = ["LEAST_LAG_S", "LEAST_SCALE", "faults_of_readings", "placed", "with_reach"]
+__all__ = ["BROKEN", "FRAME", "faults_of_readings", "placed", "with_reach"]
 
 FRAME = "frame"
+BROKEN = frozenset({"frozen", "dead axis"})
+"""Faults of readings that say nothing; what else is odd comes from them."""
 BRIDGED_S = 0.3
 """A frozen half is bridged by a line if it is shorter: a third of a step."""
 MOST_CAPPED, MOST_CUT = 0.05, 0.1
 """Parts of the cut samples whose curve ends at twice the range, and of all samples that are cut, up
-to which what was cut off counts as known."""
+to which what was cut off counts as known. Our choice, not swept."""
 SOME_CUT = 0.01
 """Part of the samples at the end of a range from which on the halves are not held against each
-other: what was cut looks like a scale."""
+other: what was cut looks like a scale. Our choice, not swept."""
 HELD_STEPS, HELD_MPS2 = 2.0, 0.1
-"""Change of gravity in a sensor's axes that it has to feel: so many steps and so much beyond."""
+"""Change of gravity in a sensor's axes that it has to feel: so many steps and so much beyond.
+Rounding hides one step, and one more at its edge; the rest is 0.6 deg of tilt. Our choice, not
+swept."""
 UNKNOWN = "; what the path does there is not known, nor its place and heading from there on"
 
 LEAST_LAG_S, LEAST_SCALE = 0.05, 0.04
@@ -47,7 +51,8 @@ low-passes), and of 100 simulated walks without a fault one shows 0.048 s, one 0
 less. Smallest error of the gyroscope's scale that is told: data sheets of cheap sensors allow 3 %,
 and of 100 simulated tilts one shows 3.5 %."""
 SURE_TIMES = 4.0
-"""Lag and scale are told if they are so many standard deviations."""
+"""Lag and scale are told if they are so many standard deviations: one in 16 000 of normal errors,
+which those of few moves are not. Our choice, not swept."""
 SHORTEST_REST_S = 0.5
 ANY_REST_RADPS, FIRST_REST_RADPS, LASTING_RADPS = np.deg2rad([1.0, 0.1, 0.2]).tolist()
 """Mean rate of a rest against the other rests': of any of at least half a second; of the first,
@@ -55,6 +60,7 @@ from which the path starts; of three that follow each other. On 16 real walks th
 0.41 and 0.41 deg/s; with unsteady hands all are large, so that the last two also have to be
 :data:`REST_TIMES` the usual one."""
 REST_TIMES, FEWEST_RESTS = 5.0, 3
+"""Times the usual size; and the fewest rests whose median leaves out one that is off."""
 JUMP_RADPS, JUMP_TIMES = float(np.deg2rad(0.1)), 6.0
 """Difference of the rests' median rates before and after a moment, and how many times its standard
 deviation it has to be. On 16 real walks the largest is 5.0 times."""
@@ -69,10 +75,19 @@ SPIKE_RADPS, SPIKE_MPS2, LEAST_SPIKE_MPS2, SPIKE_TIMES = 0.5, 8.0, 3.0, 8.0
 """Single readings off both neighbours, which agree, by so much and by so many times the changes
 around them. On 16 real walks the largest are 0.32 rad/s and 3.7 m/s². A smaller one of the
 accelerometer is told if the velocity comes back to zero without it."""
+AGREE = 0.25
+"""Neighbours of a spike agree if they differ by less than this part of it, as for the spikes that
+every recording is examined for."""
+SPOILT_TIMES, COMES_BACK = 3.0, 0.5
+"""The velocity after a move comes back to zero without a reading if it was more than so many times
+the usual one, and then is less than this part of it. Our choice, not swept."""
 
 
 def faults_of_readings(
-    recording: Recording, readings: Readings, found: Sequence[Fault]
+    recording: Recording,
+    readings: Readings,
+    found: Sequence[Fault],
+    stillness: StillnessSettings,
 ) -> list[Fault]:
     """Faults that the readings show by their rests, other than those that are found already.
 
@@ -80,7 +95,8 @@ def faults_of_readings(
     ----------
     recording : Recording with a sensor "frame"
     readings : Readings of its last samples, with their rests
-    found : Fault, of :func:`mobility_imu.health.examine`
+    found : Fault of the frame, of :func:`mobility_imu.health.examine`
+    stillness : StillnessSettings that the rests were found with
 
     Returns
     -------
@@ -90,9 +106,9 @@ def faults_of_readings(
     broken = {
         f.code
         for f in found
-        if f.code in ("frozen", "dead axis") or (f.code == "range" and f.flags.mean() > SOME_CUT)
+        if f.code in BROKEN or (f.code == "range" and f.flags.mean() > SOME_CUT)
     }
-    held = [] if "frozen" in broken else list(_held(recording, readings))
+    held = [] if "frozen" in broken else list(_held(recording, readings, stillness))
     coarse = resolution_of(recording.sensor(FRAME).acc_mps2).all_coarse
     halves = list(_halves(recording, readings)) if not broken or coarse else []
     late = [fault for fault in halves if fault.code == "lag"]
@@ -101,7 +117,7 @@ def faults_of_readings(
     checks.append(halves if not broken and not held else late)
     checks.append(_gravity(recording, readings))
     told = held + [fault for check in checks for fault in check]
-    if broken:  # what else is odd comes from that
+    if broken:
         return told
     told += _turning_rests(recording, readings)
     if "offset" not in {fault.code for fault in told}:
@@ -112,25 +128,29 @@ def faults_of_readings(
 
 
 def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings) -> Fault:
-    """Fault of a frozen half as the path sees it: bridged where the frame rests, else unknown.
+    """Fault as the path sees it: with the repair that a path can be found with, or with none.
 
     Parameters
     ----------
-    fault : Fault of :func:`mobility_imu.health.examine`
+    fault : Fault of the frame, of :func:`mobility_imu.health.examine`
     recording : Recording
     stillness : StillnessSettings
 
     Returns
     -------
-    Fault; one of another kind as it was
+    Fault
+        A dead axis has no repair, and its sentence says so. A cut range is repaired by a curve
+        over each cut, or has no repair if too much is cut. A frozen half is bridged by a line if it
+        is shorter than ``BRIDGED_S`` or the other half shows no motion meanwhile, or has no repair.
+        Faults of other kinds are as they were.
     """
     if fault.code == "dead axis":
         return replace(fault, sentence=fault.sentence + UNKNOWN)
     if fault.code == "range":
         half = fault.sensor.removeprefix(f"{FRAME}_")
-        undone, known = _with_peaks(half_of(recording, FRAME, half), fault.flags)
+        _, known = _with_peaks(half_of(recording, FRAME, half), fault.flags)
         if known:
-            return replace(fault, repair=partial(with_half, sensor=FRAME, half=half, values=undone))
+            return replace(fault, repair=partial(_peaks_back, half=half, flags=fault.flags))
         return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
     if fault.code != "frozen":
         return fault
@@ -148,6 +168,12 @@ def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings)
     if longest <= BRIDGED_S or not (moves & fault.flags).any():
         return fault
     return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
+
+
+def _peaks_back(recording: Recording, half: str, flags: NDArray[np.bool_]) -> Recording:
+    """Recording with a curve over each cut of one half."""
+    undone, _ = _with_peaks(half_of(recording, FRAME, half), flags)
+    return with_half(recording, FRAME, half, undone)
 
 
 def _with_peaks(values: FloatArray, flags: NDArray[np.bool_]) -> tuple[FloatArray, bool]:
@@ -211,14 +237,16 @@ def _halves(recording: Recording, readings: Readings) -> Iterator[Fault]:
     if abs(off) > LEAST_SCALE and abs(fit.scale - 1) > SURE_TIMES * fit.scale_sd:
         yield fault_of(
             recording, "scale", label, whole,
-            f"reads {abs(100 * off):.0f} ± {100 * fit.scale_sd:.0f} % too "
+            f"reads {abs(100 * off):.0f} ± {100 * fit.scale_sd / fit.scale**2:.0f} % too "
             f"{'much' if off > 0 else 'little'} as far as tilts show it, and about the vertical, "
             "where nothing shows it, probably as well; calibrate it, or use another sensor",
             size=off, unit="1", repair=partial(_rates_scaled, factor=fit.scale),
         )  # fmt: skip
 
 
-def _held(recording: Recording, readings: Readings) -> Iterator[Fault]:
+def _held(
+    recording: Recording, readings: Readings, stillness: StillnessSettings
+) -> Iterator[Fault]:
     """An accelerometer in coarse steps that repeats itself while the gyroscope turns gravity."""
     imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
     same = np.r_[False, (np.diff(imu.acc_mps2, axis=0) == 0).all(axis=1)]
@@ -226,7 +254,7 @@ def _held(recording: Recording, readings: Readings) -> Iterator[Fault]:
     if not same.any():
         return
     rates = recording.gyroscope(FRAME) - readings.offset()
-    felt = np.cumsum(-np.cross(rates, imu.acc_mps2) / rate_hz, axis=0)
+    felt = turned_gravity(imu.acc_mps2, rates, rate_hz)
     step = float(resolution_of(imu.acc_mps2, skip=same).step.max())
     flags = np.zeros(len(recording), np.bool_)
     for run in runs_of(same):
@@ -238,7 +266,7 @@ def _held(recording: Recording, readings: Readings) -> Iterator[Fault]:
             "again", size=float(flags.sum() / rate_hz), unit="s",
             repair=partial(interpolated, sensor=FRAME, half="acc", flags=flags),
         )  # fmt: skip
-        yield with_reach(fault, recording, StillnessSettings())
+        yield with_reach(fault, recording, stillness)
 
 
 def _rates_scaled(recording: Recording, factor: float) -> Recording:
@@ -258,7 +286,8 @@ def _gravity(recording: Recording, readings: Readings) -> Iterator[Fault]:
     yield fault_of(
         recording, "gravity", f"{FRAME}_acc", np.ones(len(recording), np.bool_),
         f"reads {size:.2f} m/s² at rest, expected {STANDARD_GRAVITY_MPS2:.2f}: its scale or its "
-        "offset is wrong; lengths are wrong by as much if it is the scale",
+        "offset is wrong; lengths are wrong by as much if it is the scale; calibrate it, or use "
+        "another sensor",
         size=size - STANDARD_GRAVITY_MPS2, unit="m/s²",
         repair=partial(multiplied, sensor=FRAME, half="acc", factors=factor),
     )  # fmt: skip
@@ -290,20 +319,22 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
         when = (readings.time_s[rests[jump - 1].stop - 1] + readings.time_s[rests[jump].start]) / 2
         what = (
             f"reads {largest:.2f} deg/s more at rest from {when:.1f} s on than before: its offset "
-            "jumps"
+            "jumps; cut the recording there, or use another sensor"
         )
-        since = recording.time_s >= when
-        repair = partial(_rates_off, flags=since, rate_radps=-apart)
+        flags = recording.time_s >= when
+        repair = partial(_rates_off, flags=flags, rate_radps=-apart)
     elif first and not bad[1:].any():
         what = (
             f"reads {largest:.1f} deg/s more in the first rest than in the others: the frame moves "
-            "where rest was promised, and this passes for the gyroscope's offset"
+            "where rest was promised, and this passes for the gyroscope's offset; let it stand for "
+            "some seconds before the first step"
         )
         repair = partial(_rates_off, flags=flags, rate_radps=off[0])
     else:
         what = (
             f"reads up to {largest:.1f} deg/s more at rest than in most rests: its offset changes, "
-            "or the frame is turned where it counts as still"
+            "or the frame is turned where it counts as still; let the sensor warm up, and the "
+            "frame stand between its moves"
         )
         middles = np.array([readings.time_s[rest].mean() for rest in rests])
         repair = partial(_offsets_off, middles_s=middles, offsets=off)
@@ -352,7 +383,7 @@ def _rolling_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
             recording, "rolls", FRAME, placed(flags, len(recording)),
             f"counts as still, but gains up to {largest:.2g} m/s within {ROLLS_S:g} s, {often} "
             "times: a frame that is rolled smoothly passes for still, and the way that it rolls "
-            "there is lost; this method follows a frame that is lifted and set down",
+            "there is lost; this method follows a frame that is lifted and set down: record it so",
             size=largest, unit="m/s",
         )  # fmt: skip
 
@@ -370,7 +401,8 @@ def _misfits(recording: Recording, readings: Readings) -> Iterator[Fault]:
         recording, "at odds", FRAME, placed(flags, len(recording)),
         f"does not fit together from rest to rest ({int(bad.sum())} times): gravity is up to "
         f"{moves.tilt_deg.max():.1f} deg off the gyroscope's, and a velocity of up to "
-        f"{moves.speed_mps.max():.2g} m/s is left where the frame stands" + UNKNOWN,
+        f"{moves.speed_mps.max():.2g} m/s is left where the frame stands; check the units and axes "
+        "of both halves, and what happened there" + UNKNOWN,
         size=float(moves.tilt_deg.max()), unit="deg",
     )  # fmt: skip
 
@@ -408,7 +440,7 @@ def _alone(values: FloatArray) -> FloatArray:
     up, down = step[:-1], step[1:]
     off = np.minimum(np.abs(up), np.abs(down))
     usual = ndimage.median_filter(np.abs(step), (11, 1))[1:]
-    alone = (np.sign(up) != np.sign(down)) & (np.abs(up + down) < 0.25 * off)
+    alone = (np.sign(up) != np.sign(down)) & (np.abs(up + down) < AGREE * off)
     size[1:-1] = np.where(alone & (off > SPIKE_TIMES * usual), off, 0.0).max(axis=1)
     return size
 
@@ -426,6 +458,6 @@ def _explaining(readings: Readings, size: FloatArray) -> NDArray[np.bool_]:
     usual = float(np.median(after.speed_mps)) if after.spans else np.inf
     sure = np.zeros(len(size), np.bool_)
     for span, was, now in zip(before.spans, before.speed_mps, after.speed_mps, strict=True):
-        if was > 3 * usual and now < 0.5 * was:
+        if was > SPOILT_TIMES * usual and now < COMES_BACK * was:
             sure[span] = True
     return far & sure

@@ -13,33 +13,29 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
-from mobility_imu.arguments import expect, settings_or_default
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, with_costs
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine
 from mobility_imu.recording import Recording
-from mobility_imu.walker.calibration import Method, WalkerCalibration, calibrate_from_path
+from mobility_imu.walker.calibration import (
+    Method,
+    WalkerCalibration,
+    calibrate_from_path,
+    check_choices,
+)
 from mobility_imu.walker.fault_checks import FRAME, faults_of_readings, with_reach
-from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.follow import checked_options, navigate_recording
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
-from mobility_imu.walker.path_checks import (
-    FAR_WORDS,
-    LEAN_WORDS,
-    LONG_MOVE_WORDS,
-    ODDS_WORDS,
-    POSES_WORDS,
-    START_WORDS,
-    faults_of_path,
-    faults_of_tilts,
-)
+from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
 from mobility_imu.walker.rest_checks import Readings
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.tilt_equations import Form
@@ -47,24 +43,17 @@ from mobility_imu.walker.trajectory import Trajectory, estimate_trajectory
 
 __all__ = ["find_faults", "find_tilt_faults", "not_told", "valid_samples"]
 
-_ANGLES = np.pi * np.arange(12) / 12
-_COURSES = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)])
-"""Directions on the floor; the longest shadow of a vector on one of them is 99 % of its length."""
-
 NEGLIGIBLE = {"m": 1e-3, "deg": 0.01}
 """A range whose end costs less is not told: a sensor with coarse steps repeats its largest value by
 chance."""
-SAID = {
-    "range": ("is saturated in",),
-    "frozen": ("readings repeat themselves",),
-    "start": (START_WORDS,),
-    "turned": (LEAN_WORDS, "the frame went backward"),
-    "no rest": (LONG_MOVE_WORDS,),
-    "at odds": (ODDS_WORDS,),
-    "mount": (FAR_WORDS,),
-    "poses": POSES_WORDS,
-}
-"""Words of the warnings of a result that say the same as a fault of the kind."""
+SAID = (
+    (f"{FRAME}_acc is saturated in", "range", f"{FRAME}_acc", ""),
+    (f"{FRAME}_gyr is saturated in", "range", f"{FRAME}_gyr", ""),
+    ("readings repeat themselves", "frozen", FRAME, ""),
+    ("the frame went backward", "turned", FRAME, "of its forward axis"),
+    (ODDS_WORDS, "at odds", FRAME, ""),
+)
+"""Words of a warning, and code, sensor and words of the fault that says the same in its own."""
 
 
 def find_faults(
@@ -95,13 +84,19 @@ def find_faults(
     Raises
     ------
     InputError
-        If the recording has no sensor "frame" with gyroscope.
+        If the recording has no sensor "frame" with gyroscope, or another argument is impossible.
     """
-    expect("recording", recording, Recording)
     expect("geometry", geometry, WalkerGeometry, none=True)
     expect("mount", mount, WalkerMount)
-    stillness = settings_or_default("stillness", stillness, StillnessSettings)
-    recording.sensor(FRAME, gyroscope=True)
+    settings, stillness, known = checked_options(
+        recording,
+        smooth=smooth,
+        settings=settings,
+        stillness=stillness,
+        closed_loop=closed_loop,
+        rests=rests,
+    )
+    recording = _frame_of(recording)
     path_of = partial(
         estimate_trajectory,
         geometry=geometry,
@@ -110,7 +105,7 @@ def find_faults(
         stillness=stillness,
         smooth=smooth,
         closed_loop=closed_loop,
-        rests=rests,
+        rests=known,
     )
     found = [with_reach(fault, recording, stillness) for fault in examine(recording)]
     try:
@@ -118,11 +113,12 @@ def find_faults(
     except InputError:
         return tuple(found)
     readings = _readings(recording, path.time_s, path.stationary)
-    found = _with_readings(found, faults_of_readings(recording, readings, found))
+    found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
     found += faults_of_path(recording, path, mount, found)
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
-        return _path_series(path if changed is recording else path_of(changed), len(recording))
+        moved = path if changed is recording else path_of(changed)
+        return _path_series(moved, path, len(recording))
 
     return tuple(f for f in with_costs(found, recording, series) if not _negligible(f))
 
@@ -155,12 +151,13 @@ def find_tilt_faults(
     Raises
     ------
     InputError
-        If the recording has no sensor "frame" with gyroscope.
+        If the recording has no sensor "frame" with gyroscope, or another argument is impossible.
     """
-    expect("recording", recording, Recording)
-    expect("geometry", geometry, WalkerGeometry)
-    stillness = settings_or_default("stillness", stillness, StillnessSettings)
-    recording.sensor(FRAME, gyroscope=True)
+    check_choices(geometry, method, form, order)
+    settings, stillness, _ = checked_options(
+        recording, smooth=smooth, settings=settings, stillness=stillness
+    )
+    recording = _frame_of(recording)
     found = [with_reach(fault, recording, stillness) for fault in examine(recording)]
 
     def mount_of(changed: Recording) -> tuple[Navigation, WalkerCalibration]:
@@ -183,11 +180,11 @@ def find_tilt_faults(
     except InputError:
         return tuple(found)
     readings = _readings(recording, path.time_s, path.still)
-    found = _with_readings(found, faults_of_readings(recording, readings, found))
-    found += faults_of_tilts(recording, stated.warnings, len(path.time_s))
+    found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
+    found += faults_of_tilts(recording, stated.warnings, len(path.time_s), found)
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
-        return _mount_series(stated if changed is recording else mount_of(changed)[1])
+        return _mount_series(stated if changed is recording else mount_of(changed)[1], stated)
 
     return tuple(f for f in with_costs(found, recording, series) if not _negligible(f))
 
@@ -196,9 +193,13 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
     """Samples of a path that no fault touches.
 
     A rest brings velocity and tilt back, never place and heading. So a fault that nothing can undo,
-    or that moves place or heading by more than their stated standard deviations at the end, leaves
-    everything from its first sample on not valid. One that costs less touches its own samples, or
-    none if it lasts throughout.
+    or that moves place (in space) or heading by more than their stated standard deviations at the
+    end, leaves everything from its first sample on not valid. One that costs less touches its own
+    samples, or none if it lasts throughout. One that could be undone, but whose cost is not known,
+    touches its own samples, also if these are all.
+
+    A start that moves does not count, since the path begins after it. "At odds" counts only where
+    nothing else is told: another fault is its cause.
 
     Parameters
     ----------
@@ -212,25 +213,28 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
     expect("found", found, Trajectory)
     valid = np.ones(len(found), np.bool_)
     sds = {
-        "place": float(found.horizontal_sd_m[-1]),
+        "place": float(np.linalg.norm(found.position_sd_m[-1])),
         "heading": float(np.rad2deg(found.yaw_sd_rad[-1])),
     }
     faults = [fault for fault in faults if fault.code != "start"]
     causes = [fault for fault in faults if fault.code != "at odds"]
     for fault in causes or faults:
         touched = fault.flags[-len(found) :].copy()
-        lasting = not fault.costs or any(
-            cost.largest > sds.get(cost.name, np.inf) for cost in fault.costs
+        lasting = (
+            any(cost.largest > sds.get(cost.name, np.inf) for cost in fault.costs)
+            if fault.costs
+            else fault.repair is None
         )
         if lasting and touched.any():
             touched[int(np.argmax(touched)) :] = True
-        if lasting or not touched.all():
+        small = fault.costs and not lasting
+        if not (small and touched.all()):
             valid &= ~touched
     return valid
 
 
 def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
-    """Warnings of a result that no fault says already.
+    """Warnings of a result that no fault says already, in the same words or in its own.
 
     Parameters
     ----------
@@ -241,8 +245,25 @@ def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
     -------
     list of str
     """
-    known = [words for fault in faults for words in SAID.get(fault.code, ())]
-    return [text for text in warnings if not any(words in text for words in known)]
+    faults = tuple(faults)
+    return [text for text in warnings if not any(_says(fault, text) for fault in faults)]
+
+
+def _says(fault: Fault, text: str) -> bool:
+    """Whether a fault says what a warning does."""
+    return text in fault.sentence or any(
+        words in text
+        and fault.code == code
+        and fault.sensor.startswith(sensor)
+        and own in fault.sentence
+        for words, code, sensor, own in SAID
+    )
+
+
+def _frame_of(recording: Recording) -> Recording:
+    """Recording of the frame's sensor alone: what else is in the file says nothing of the path."""
+    frame = {FRAME: recording.sensor(FRAME, gyroscope=True)}
+    return Recording(recording.time_s, frame, source=recording.source)
 
 
 def _with_readings(found: list[Fault], more: list[Fault]) -> list[Fault]:
@@ -260,6 +281,7 @@ def _negligible(fault: Fault) -> bool:
     return (
         fault.code == "range"
         and fault.repair is not None
+        and len(fault.costs) > 0
         and all(cost.largest < NEGLIGIBLE.get(cost.unit, 0.0) for cost in fault.costs)
     )
 
@@ -271,26 +293,33 @@ def _readings(recording: Recording, time_s: FloatArray, still: NDArray[np.bool_]
     return Readings(time_s, imu.acc_mps2[-count:], rates, still)
 
 
-def _path_series(path: Trajectory, count: int) -> dict[tuple[str, str], FloatArray]:
-    """Shadows of the place on directions all around, and the heading, for each sample."""
-    place = np.column_stack([path.position_m[:, :2] @ _COURSES, path.position_m[:, 2]])
-    heading = np.rad2deg(path.yaw_rad)
+def _path_series(
+    moved: Trajectory, stated: Trajectory, count: int
+) -> dict[tuple[str, str], FloatArray]:
+    """Distance from the stated place, and heading, for each sample of a recording."""
+    both = min(len(moved), len(stated))
+    apart = np.linalg.norm(moved.position_m[-both:] - stated.position_m[-both:], axis=1)
     return {
-        ("place", "m"): _later(place, count),
-        ("heading", "deg"): _later(heading, count),
+        ("place", "m"): _later(apart, count),
+        ("heading", "deg"): _later(np.rad2deg(moved.yaw_rad), count),
     }
 
 
 def _later(values: FloatArray, count: int) -> FloatArray:
     """Series of a recording's last samples, NaN before them."""
-    whole = np.full((count, *values.shape[1:]), np.nan)
+    whole = np.full(count, np.nan)
     whole[count - len(values) :] = values
     return whole
 
 
-def _mount_series(found: WalkerCalibration) -> dict[tuple[str, str], Any]:
-    """Position, and axes as angles, of a mount."""
+def _mount_series(
+    moved: WalkerCalibration, stated: WalkerCalibration
+) -> dict[tuple[str, str], FloatArray]:
+    """Distance from the stated mount, and angle to its axes, (1,) arrays."""
+    apart = moved.mount.translation_body_m - stated.mount.translation_body_m
+    turn = moved.mount.rotation_imu_to_body @ stated.mount.rotation_imu_to_body.T
+    angle = np.rad2deg(Rotation.from_matrix(turn).magnitude())
     return {
-        ("position of the IMU", "m"): found.mount.translation_body_m,
-        ("turn of the IMU", "deg"): np.rad2deg(found.mount.rotation_imu_to_body),
+        ("position of the IMU", "m"): np.array([np.linalg.norm(apart)]),
+        ("turn of the IMU", "deg"): np.array([angle]),
     }

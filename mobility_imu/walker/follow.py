@@ -22,7 +22,7 @@ from mobility_imu.walker.navigation import (
 )
 from mobility_imu.walker.stillness import StillnessSettings, find_stillness
 
-__all__ = ["navigate_recording"]
+__all__ = ["checked_options", "navigate_recording"]
 
 LATEST_REST_S = 5.0
 """The first rest has to begin within this time."""
@@ -71,13 +71,14 @@ def navigate_recording(
         If there is no rest within the first seconds, a reading is larger than any sensor's, the
         rate is too low, or ``closed_loop`` is asked for without the smoother.
     """
-    expect("recording", recording, Recording)
-    settings = settings_or_default("settings", settings, NavigationSettings)
-    stillness = settings_or_default("stillness", stillness, StillnessSettings)
-    expect("closed_loop", closed_loop, ClosedLoop, none=True)
-    one_of("smooth", smooth, (True, False))
-    if closed_loop is not None and not smooth:
-        raise InputError("closed_loop needs the smoother: it cannot be had with smooth=False")
+    settings, stillness, known = checked_options(
+        recording,
+        smooth=smooth,
+        settings=settings,
+        stillness=stillness,
+        closed_loop=closed_loop,
+        rests=rests,
+    )
     _check_rate_and_size(recording)
     imu, gyr = recording.sensor("frame"), recording.gyroscope("frame")
     rate_hz = recording.sampling_rate_hz
@@ -86,10 +87,7 @@ def navigate_recording(
     if offset.any():
         gyr = gyr - offset
         warnings.append(f"{recording.source}: {_stated(offset)}")
-    if rests is None:
-        still = find_stillness(imu.acc_mps2, gyr, rate_hz, stillness)
-    else:
-        still = as_flags(rests, "rests", length=len(recording))
+    still = find_stillness(imu.acc_mps2, gyr, rate_hz, stillness) if known is None else known
     # Where up is comes from the first rest; what lies before it cannot be followed.
     begin = int(np.argmax(still))
     late_s = float(recording.time_s[begin] - recording.time_s[0])
@@ -97,7 +95,7 @@ def navigate_recording(
         raise InputError(
             f"{recording.source}: the frame is not still within the first {LATEST_REST_S:g} s: "
             "expected some seconds of rest at the start, which say where up is"
-            + (_why_not_still(imu.acc_mps2, gyr, rate_hz, stillness) if rests is None else "")
+            + (_why_not_still(imu.acc_mps2, gyr, rate_hz, stillness) if known is None else "")
         )
     if late_s > 0.2:
         warnings.append(
@@ -121,6 +119,42 @@ def navigate_recording(
     if offset.any():
         path = replace(path, gyr_bias_radps=path.gyr_bias_radps + offset)
     return path, (*warnings, *path.warnings, *_inconsistent_rests(path, recording.source))
+
+
+def checked_options(
+    recording: Recording,
+    *,
+    smooth: bool = True,
+    settings: NavigationSettings | None = None,
+    stillness: StillnessSettings | None = None,
+    closed_loop: ClosedLoop | None = None,
+    rests: ArrayLike | None = None,
+) -> tuple[NavigationSettings, StillnessSettings, NDArray[np.bool_] | None]:
+    """Check the arguments of :func:`navigate_recording`, whatever the readings are.
+
+    Parameters
+    ----------
+    recording, smooth, settings, stillness, closed_loop, rests : of :func:`navigate_recording`
+
+    Returns
+    -------
+    settings, stillness, (n,) bool array of the rests that are known or None
+
+    Raises
+    ------
+    InputError
+        If one is of another kind, the rests have another length, or ``closed_loop`` is asked for
+        without the smoother.
+    """
+    expect("recording", recording, Recording)
+    settings = settings_or_default("settings", settings, NavigationSettings)
+    stillness = settings_or_default("stillness", stillness, StillnessSettings)
+    expect("closed_loop", closed_loop, ClosedLoop, none=True)
+    one_of("smooth", smooth, (True, False))
+    if closed_loop is not None and not smooth:
+        raise InputError("closed_loop needs the smoother: it cannot be had with smooth=False")
+    known = None if rests is None else as_flags(rests, "rests", length=len(recording))
+    return settings, stillness, known
 
 
 def _offset(

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, turned_back
-from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
-from mobility_imu.rotations import cross_matrix
+from mobility_imu.rotations import elementary_rotation
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.fault_checks import FRAME, placed
+from mobility_imu.walker.fault_checks import BROKEN, FRAME, placed
 from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.rest_checks import shortest_turns
 from mobility_imu.walker.steps import find_steps
 from mobility_imu.walker.trajectory import Trajectory
 
@@ -33,7 +33,6 @@ ASIDE_DEG, FEWEST_STEPS, LEAST_STEP_M, LEAST_WAY_M = 4.0, 5, 0.1, 2.0
 LONG_MOVE_WORDS, START_WORDS = "no rest for more than", "the frame moves at the start"
 LEAN_WORDS, ODDS_WORDS = "the frame leans by", "as far from what the filter expects"
 FAR_WORDS = "far off a frame"
-BROKEN = {"frozen", "dead axis", "reversed"}
 POSES_WORDS = ("the footprint's", "the tilts went")
 
 
@@ -47,17 +46,19 @@ def faults_of_path(
     recording : Recording that it is of
     found : Trajectory, whose warnings become sentences of faults
     mount : WalkerMount that it was found with
-    known : Fault, of the readings: a path from a broken sensor shows no mount and no manner
+    known : Fault, of the readings: a path from a broken sensor shows no mount and no manner, and
+        what is known to be at odds is not told again in the filter's words
 
     Returns
     -------
     list of Fault
     """
+    codes = {fault.code for fault in known}
     count, late = len(recording), len(recording) - len(found)
     whole = np.ones(count, np.bool_)
     told = []
     for text in found.warnings:
-        said = text if text.startswith(f"{recording.source}: ") else f"{recording.source}: {text}"
+        said = _said(recording, text)
         if START_WORDS in text:
             told.append(_stated("start", np.arange(count) < late, said, recording))
         elif LEAN_WORDS in text:
@@ -65,10 +66,11 @@ def faults_of_path(
         elif LONG_MOVE_WORDS in text:
             told.append(_stated("no rest", placed(_long_moves(found), count), said, recording))
         elif ODDS_WORDS in text:
-            told.append(_stated("at odds", placed(found.stationary, count), said, recording))
+            if "at odds" not in codes:
+                told.append(_stated("at odds", placed(found.stationary, count), said, recording))
         elif FAR_WORDS in text:
             told.append(_stated("mount", whole, said, recording))
-    if {fault.code for fault in known} & BROKEN:
+    if codes & {*BROKEN, "reversed"}:
         return told
     if found.settings.zero_rate:  # settings of a foot are without
         told += _foot(recording, found)
@@ -79,7 +81,9 @@ def faults_of_path(
     return told
 
 
-def faults_of_tilts(recording: Recording, warnings: Sequence[str], count: int) -> list[Fault]:
+def faults_of_tilts(
+    recording: Recording, warnings: Sequence[str], count: int, known: Sequence[Fault] = ()
+) -> list[Fault]:
     """Faults of a recording of tilts that its calibration warns of.
 
     Parameters
@@ -87,23 +91,31 @@ def faults_of_tilts(recording: Recording, warnings: Sequence[str], count: int) -
     recording : Recording
     warnings : of the calibration
     count : samples of its path, the last ones of the recording
+    known : Fault, of the readings
 
     Returns
     -------
-    list of Fault: a start that moves, rests at odds with the filter, tilts that do not fit
+    list of Fault: a start that moves, rests at odds with the filter unless that is known, tilts
+    that do not fit, each once
     """
     whole = np.ones(len(recording), np.bool_)
     told = []
     for text in warnings:
-        said = text if text.startswith(f"{recording.source}: ") else f"{recording.source}: {text}"
+        said = _said(recording, text)
         if START_WORDS in text:
             flags = np.arange(len(recording)) < len(recording) - count
             told.append(_stated("start", flags, said, recording))
-        elif ODDS_WORDS in text:
+        elif ODDS_WORDS in text and "at odds" not in {fault.code for fault in known}:
             told.append(_stated("at odds", whole, said, recording))
-        elif any(words in text for words in POSES_WORDS):
-            told.append(_stated("poses", whole, said, recording))
+    poses = [text for text in warnings if any(words in text for words in POSES_WORDS)]
+    if poses:
+        told.append(_stated("poses", whole, _said(recording, "; ".join(poses)), recording))
     return told
+
+
+def _said(recording: Recording, text: str) -> str:
+    """Sentence of a warning, which names the file."""
+    return text if text.startswith(f"{recording.source}: ") else f"{recording.source}: {text}"
 
 
 def _stated(code: str, flags: NDArray[np.bool_], sentence: str, recording: Recording) -> Fault:
@@ -122,18 +134,12 @@ def _leaning(recording: Recording, found: Trajectory, mount: WalkerMount, said: 
     acc = recording.sensor(FRAME).acc_mps2[-len(found) :]
     force = acc[runs_of(found.stationary)[0]].mean(axis=0)
     up, level = force / np.linalg.norm(force), mount.rotation_imu_to_body[2]
-    turn = _turn_between(up, level)
+    turn = shortest_turns(up, level)
     lean = float(np.rad2deg(np.arccos(np.clip(up @ level, -1, 1))))
     fault = _stated("turned", np.ones(len(recording), np.bool_), said, recording)
     return replace(
         fault, size=lean, unit="deg", repair=partial(turned_back, sensor=FRAME, rotation=turn)
     )
-
-
-def _turn_between(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Shortest turn from one unit vector to another, (3, 3)."""
-    cosine, cross = float(first @ second), cross_matrix(np.cross(first, second))
-    return np.asarray(np.eye(3) + cross + cross @ cross / (1 + cosine))
 
 
 def _foot(recording: Recording, found: Trajectory) -> Iterator[Fault]:
@@ -164,7 +170,7 @@ def _far_steps(recording: Recording, found: Trajectory) -> Iterator[Fault]:
             recording, "rolls", FRAME, placed(flags, len(recording)),
             f"moves by up to {longest:.2g} m from stand to stand, {often} times by more than "
             f"{LONGEST_STEP_M:g} m: is it rolled, or is the sensor on a foot? This method follows "
-            "a frame that is lifted and set down", size=longest, unit="m",
+            "a frame that is lifted and set down: record it so", size=longest, unit="m",
         )  # fmt: skip
 
 
@@ -183,13 +189,12 @@ def _aside(recording: Recording, found: Trajectory, mount: WalkerMount) -> Itera
     middle = float(np.rad2deg(np.angle(way.sum())))
     if abs(middle) < ASIDE_DEG or abs(way.sum()) < LEAST_WAY_M:
         return
-    c, s = np.cos(np.deg2rad(middle)), np.sin(np.deg2rad(middle))
-    about = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    about = elementary_rotation("z", -np.deg2rad(middle))
     turn = mount.rotation_imu_to_body.T @ about @ mount.rotation_imu_to_body
     yield fault_of(
         recording, "turned", FRAME, np.ones(len(recording), np.bool_),
         f"steps {abs(middle):.0f} deg to the {'left' if middle > 0 else 'right'} of its "
         "forward axis: has the IMU been turned since it was calibrated, or was it calibrated with "
-        "tilts in another order than stated?",
+        "tilts in another order than stated? Then calibrate the mount again",
         size=middle, unit="deg", repair=partial(turned_back, sensor=FRAME, rotation=turn),
     )  # fmt: skip

@@ -28,12 +28,15 @@ __all__ = [
     "fit_halves",
     "moves_between_rests",
     "rest_rates",
+    "shortest_turns",
 ]
 
 GRAVITY_S = 0.5
-"""Longest part of a rest, next to a move, that gravity is averaged over."""
+"""Longest part of a rest, next to a move, that gravity is averaged over. Our choice, not swept:
+about as long as the shortest rests between two steps."""
 LONGEST_MOVE_S = 5.0
-"""Beyond this the offsets of both halves add up to more than the misfits are good for."""
+"""Longer moves are left out. In 5 s an offset of the gyroscope of 0.1 deg/s turns gravity so far
+that a velocity of 0.2 m/s is left over, ten times its usual misfit."""
 SIZES = np.array([0.02, 0.02, 0.02, 0.2, 0.2, 0.005])
 """Usual misfits of a frame that is lifted and set down (m/s, deg, m): simulated, "realistic"."""
 BACK_RAD = float(np.deg2rad(2.0))
@@ -41,15 +44,22 @@ BACK_RAD = float(np.deg2rad(2.0))
 LARGEST_LAG_S = 1.0
 LAG_STEP_S = 0.1
 FITS = 0.3
-"""A lag that brings the misfits below this part of those without a gyroscope needs no scale."""
+"""Where the best lag brings the misfits below this part of those without a gyroscope, the grid is
+not searched with the scale first as well. It saves time; our choice, not swept."""
 SCALES = (0.5, 0.7, 1.0, 1.4, 2.0)
-"""Starting points of the fit."""
+"""Starting points of the fit: from half to twice, the error of a range that is one setting off
+(250, 500, 1000 deg/s in data sheets), a factor of 1.4 apart."""
 FEWEST_MOVES = 4
-"""Moves from which on the halves are held against each other."""
+"""Moves from which on the halves are held against each other: their 24 misfits are three times the
+fit's 8 unknowns."""
 CLEARLY = 0.5
 """A gyroscope explains the misfits if it makes them smaller by this factor: rates that say nothing,
-as of a frame that is rolled and never tilts, leave them as they are."""
+as of a frame that is rolled and never tilts, leave them as they are. Our choice, not swept."""
+HUBER = 1.5
+"""Moves count less beyond so many medians of all lengths. Huber's constant is 1.345 standard
+deviations for one number; of six normal ones 6 % are longer than this."""
 NO_TURN = np.zeros(3)
+UP = np.array([0.0, 0.0, 1.0])
 NO_ERROR = np.array([0.0, 1.0, *[0.0] * 6])
 USUAL_ERRORS = np.array([LARGEST_LAG_S, 1.0, *[0.2] * 3, *[0.01] * 3])
 """Sizes of lag, scale, the accelerometer's offset (20 mg) and the gyroscope's axes against the
@@ -168,7 +178,7 @@ class _Batch:
             each + np.asarray(offset_mps2, float) for each in (self.first, self.last, self.force)
         )
         size = np.linalg.norm(first, axis=1), np.linalg.norm(last, axis=1)
-        upright = _upright(first / size[0][:, None])
+        upright = shortest_turns(first / size[0][:, None], UP)
         along = np.einsum("mij,mnjk,mnk->mni", upright, turned, force)
         end = (last / size[1][:, None])[:, :, None]
         lean = (upright @ turned[:, -1] @ end)[:, :2, 0]
@@ -216,12 +226,22 @@ def moves_between_rests(readings: Readings) -> Moves:
     return Moves(batch.spans, batch.misfit() if batch.spans else np.zeros((0, 6)))
 
 
-def _upright(up: FloatArray) -> FloatArray:
-    """Shortest turns that bring unit vectors (m, 3) to z, (m, 3, 3)."""
-    x, y, z = up.T
-    c = 1 / np.maximum(1 + z, 1e-9)
-    rows = [[1 - c * x * x, -c * x * y, -x], [-c * x * y, 1 - c * y * y, -y], [x, y, z]]
-    return np.asarray(np.moveaxis(np.array(rows), -1, 0))
+def shortest_turns(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Shortest turns that bring unit vectors to others.
+
+    Parameters
+    ----------
+    first, second : (..., 3) arrays of unit vectors; no pair points in opposite directions
+
+    Returns
+    -------
+    (..., 3, 3) array
+    """
+    axis, cosine = np.cross(first, second), np.sum(first * second, axis=-1)[..., None, None]
+    # Column j of the matrix of the cross product is axis x e_j.
+    across = np.swapaxes(np.cross(axis[..., None, :], np.eye(3)), -1, -2)
+    along = axis[..., :, None] * axis[..., None, :]
+    return np.asarray(cosine * np.eye(3) + across + along / np.maximum(1 + cosine, 1e-9))
 
 
 class HalvesFit(NamedTuple):
@@ -234,7 +254,6 @@ class HalvesFit(NamedTuple):
     signs : (3,) array, best signs of the gyroscope's axes
     lag_s, lag_sd_s : s, by which the gyroscope comes late
     scale, scale_sd : 1, what the rates have to be multiplied by
-    better : misfit that is left with lag and scale, over the misfit as the readings are
     """
 
     seen: bool
@@ -243,7 +262,6 @@ class HalvesFit(NamedTuple):
     lag_sd_s: float = np.inf
     scale: float = 1.0
     scale_sd: float = np.inf
-    better: float = 1.0
 
 
 UNSEEN = HalvesFit(False, np.ones(3))
@@ -279,7 +297,7 @@ def fit_halves(readings: Readings) -> HalvesFit:
     least, lag, scale = min(_descents(rows, without))
     best = int(np.argmin(sizes))
     if sizes[best] < min(CLEARLY * without, CLEARLY * stated, least):
-        return HalvesFit(True, choices[best], better=sizes[best] / stated)
+        return HalvesFit(True, choices[best])
     found, sd = np.zeros(8), np.full(8, np.inf)
     found[:2] = lag, scale
 
@@ -296,11 +314,10 @@ def fit_halves(readings: Readings) -> HalvesFit:
         ])  # fmt: skip
         change, sd = _step(at(found), slopes, found)
         found = np.clip(found + change, LEAST, MOST)
-    left = _size(at(found))
-    if left > CLEARLY * without:
+    if _size(at(found)) > CLEARLY * without:
         return UNSEEN
     lag, scale = found[:2].tolist()
-    return HalvesFit(True, np.ones(3), lag, float(sd[0]), scale, float(sd[1]), left / stated)
+    return HalvesFit(True, np.ones(3), lag, float(sd[0]), scale, float(sd[1]))
 
 
 def _descents(
@@ -332,7 +349,7 @@ def _step(
 ) -> tuple[FloatArray, FloatArray]:
     """Change of the errors, and their standard deviations, by the scatter of the moves or more."""
     length = np.linalg.norm(here, axis=1)
-    weight = np.minimum(1.0, 1.5 * np.median(length) / np.maximum(length, 1e-9))
+    weight = np.minimum(1.0, HUBER * np.median(length) / np.maximum(length, 1e-9))
     known = np.diag(1 / USUAL_ERRORS**2)
     normal = np.einsum("m,pmk,qmk->pq", weight, slopes, slopes) + known
     pull = np.einsum("m,pmk,mk->pm", weight, slopes, here)

@@ -14,7 +14,7 @@ from mobility_imu.runs import runs_of
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection
 from mobility_imu.walker.navigation import Navigation
 
-__all__ = ["Tilt", "find_tilts"]
+__all__ = ["Tilt", "check_order", "find_tilts"]
 
 LEAST_TILT_RAD = float(np.deg2rad(10))
 """A tilt of less says little. The error of a distance grows as one over the angle."""
@@ -65,15 +65,7 @@ def find_tilts(
     InputError
         If no tilt is found, one goes across a corner, or the order leaves open which they were.
     """
-    named = isinstance(order, Sequence) and all(isinstance(name, str) for name in order)
-    if not named or isinstance(order, str):
-        raise InputError(f"order: got {shown(order)}, expected a list of names")
-    unknown = [name for name in order if name not in TILT_DIRECTIONS]
-    if unknown or not order:
-        raise InputError(
-            f"order = {', '.join(order) or '(empty)'}: expected names out of "
-            f"{', '.join(TILT_DIRECTIONS)}"
-        )
+    check_order(order)
     attitude, time_s = navigation.rotation_imu_to_world(), navigation.time_s
     first = int(np.argmax(navigation.still))
     up = attitude[first, 2]
@@ -121,6 +113,29 @@ def find_tilts(
         Tilt(name, *found) for name, found in zip(names, usable, strict=True) if found is not None
     )
     return tilts, (*warnings, *about_order)
+
+
+def check_order(order: Sequence[TiltDirection]) -> None:
+    """Check that an order of tilts is a list of their names.
+
+    Parameters
+    ----------
+    order : directions of the tilts as they were made
+
+    Raises
+    ------
+    InputError
+        If it is none, is empty, or holds another name.
+    """
+    named = isinstance(order, Sequence) and all(isinstance(name, str) for name in order)
+    if not named or isinstance(order, str):
+        raise InputError(f"order: got {shown(order)}, expected a list of names")
+    unknown = [name for name in order if name not in TILT_DIRECTIONS]
+    if unknown or not order:
+        raise InputError(
+            f"order = {', '.join(order) or '(empty)'}: expected names out of "
+            f"{', '.join(TILT_DIRECTIONS)}"
+        )
 
 
 def _name_tilts(

@@ -295,7 +295,7 @@ def _estimate_one(
     if lean > NOTED_LEAN_DEG:
         warnings += (
             f"by this mount the frame leans by {lean:.1f} deg while it stands: has the IMU moved, "
-            "or is the floor not level?",
+            "or is the floor not level? If it has moved, calibrate the mount again",
         )
     warnings += _far_off(mount, geometry)
     found = trajectory_from_path(

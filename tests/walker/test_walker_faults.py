@@ -23,6 +23,7 @@ from mobility_imu.walker import (
     valid_samples,
 )
 from mobility_imu.walker.faults import not_told
+from mobility_imu.walker.geometry import TILT_DIRECTIONS
 from mobility_imu.walker.rest_checks import Readings, fit_halves, moves_between_rests
 
 SEED = 4001
@@ -113,10 +114,11 @@ def test_the_stated_cost_is_what_the_fault_moves(kind):
         def at(series):
             return np.interp(moved.time_s, clean.time_s, series)
 
-        place = np.hypot(*(moved.position_m[:, k] - at(clean.position_m[:, k]) for k in (0, 1)))
+        apart = [moved.position_m[:, k] - at(clean.position_m[:, k]) for k in range(3)]
+        place = np.linalg.norm(apart, axis=0)
         heading = np.abs(moved.yaw_rad - at(clean.yaw_rad))
     else:
-        place = np.linalg.norm((moved.position_m - clean.position_m)[:, :2], axis=1)
+        place = np.linalg.norm(moved.position_m - clean.position_m, axis=1)
         heading = np.abs(moved.yaw_rad - clean.yaw_rad)
     real = {"place": place.max(), "heading": np.rad2deg(heading).max()}
     (fault,) = [one for one in found_in(faulty) if one.code == code][:1]
@@ -195,9 +197,13 @@ def test_tilts_are_looked_at_too():
     scaled = inject.scale(tilts, "frame", "gyr", 1.1)
     (fault,) = [f for f in find_tilt_faults(scaled, walk.tape) if f.code == "scale"]
     clean, wrong = (calibrate_mount(r, walk.tape).mount for r in (tilts, scaled))
-    moved = np.abs(clean.translation_body_m - wrong.translation_body_m).max()
-    (stated,) = [c.largest for c in fault.costs if c.name == "position of the IMU"]
-    assert 0.5 < stated / moved < 2
+    turn = wrong.rotation_imu_to_body @ clean.rotation_imu_to_body.T
+    moved = {
+        "position of the IMU": np.linalg.norm(wrong.translation_body_m - clean.translation_body_m),
+        "turn of the IMU": np.rad2deg(Rotation.from_matrix(turn).magnitude()),
+    }
+    assert {cost.name for cost in fault.costs} == set(moved)
+    assert all(0.5 < cost.largest / moved[cost.name] < 2 for cost in fault.costs)
     other = WalkerGeometry(walk.tape.footprint_length_m, walk.tape.footprint_width_m)
     assert "poses" in {fault.code for fault in find_tilt_faults(tilts, other)}
     order = ("back", "right", "front", "left")
@@ -222,27 +228,49 @@ def test_nothing_is_said_twice():
 
 
 def test_what_no_path_can_be_found_from_has_the_sensors_faults_alone():
+    """Two spikes and rates without a rest: the spikes are told, nothing that asks for a path."""
     recording = walked().walk.recording
-    late = recording.trim(6.0, 20.0)
-    wild = inject.scale(late, "frame", "gyr", 50.0)
-    assert found_in(wild) == () or all(fault.sensor for fault in found_in(wild))
-    with pytest.raises(InputError):
-        estimate_trajectory(wild, None, walked().mount)
+    restless = inject.offset(recording, "frame", "gyr", [0, 0, 15.0])
+    spiked = inject.spike(restless, "frame", "gyr", [2000, 3000], 1, 25.0)
+    with pytest.raises(InputError, match="not still"):
+        estimate_trajectory(spiked, None, walked().mount)
+    (found,) = find_faults(spiked, None, walked().mount)
+    assert (found.code, found.sensor, found.costs) == ("spike", "frame_gyr", ())
+    assert np.flatnonzero(found.flags).tolist() == [2000, 3000]
+    assert found_in(restless) == ()
     with pytest.raises(InputError, match="no sensor 'frame'"):
         found_in(Recording(recording.time_s, {"lever": recording.sensor("frame")}))
 
 
 @pytest.mark.parametrize("kind", [*KINDS, *TILT_KINDS])
 def test_every_kind_of_the_study_can_be_injected(kind):
-    """Or the recording refuses the fault by itself."""
-    injection, codes = {**KINDS, **TILT_KINDS}[kind]
-    assert injection.__doc__ and isinstance(codes, frozenset)
-    try:
-        faulty = injection(walked(), np.random.default_rng(7))
-    except InputError:
-        assert kind in ("clock", "left-handed", "beyond any range")
+    """What is given differs from what was without a fault, or refuses the fault by itself."""
+    injection, _ = {**KINDS, **TILT_KINDS}[kind]
+    walk = walked()
+    if kind in ("clock", "left-handed", "beyond any range"):
+        with pytest.raises(InputError):
+            injection(walk, np.random.default_rng(7))
         return
-    assert faulty.sensor and len(faulty.recording)
+    rng = np.random.default_rng(7)
+    if kind in ("tilts, another order", "tilts, another footprint"):
+        given = injection(walk, rng)
+        assert (given.order != TILT_DIRECTIONS) == (kind == "tilts, another order")
+        assert (given.tape != walk.tape) == (kind == "tilts, another footprint")
+        return
+    clean = (walk.tilts if kind in TILT_KINDS else walk.walk).recording
+    drawn = (injection(walk, rng).recording for _ in range(20))  # a range may end beyond them all
+    assert not all(same_readings(given, clean) for given in drawn)
+
+
+def same_readings(first, second):
+    return len(first) == len(second) and all(
+        np.array_equal(a, b)
+        for a, b in (
+            (first.time_s, second.time_s),
+            (first.sensor("frame").acc_mps2, second.sensor("frame").acc_mps2),
+            (first.gyroscope("frame"), second.gyroscope("frame")),
+        )
+    )
 
 
 def test_injected_lags_and_mirrors():

@@ -333,14 +333,15 @@ def _turned(walk: Walked, axis: FloatArray, size: float) -> Injected:
 def clock(walk: Walked, rng: np.random.Generator) -> Injected:
     """Times in milliseconds, or a clock that jumps by 0.02 to 100 s."""
     recording = walk.walk.recording
-    time_s = np.array(recording.time_s)
+    time_s = recording.time_s
     if rng.random() < 0.3:
-        size, time_s = 1000.0, 1000 * time_s
+        size = 1000.0
+        faulty = Recording(1000 * time_s, recording.sensors, source=recording.source)
     else:
         size = _size(rng, 0.02, 100.0)
         back = -1.0 if rng.random() < 0.3 else 1.0
-        time_s[int(rng.integers(10, len(time_s) - 10)) :] += back * size
-    faulty = Recording(time_s, recording.sensors, source="a faulty clock")
+        start = float(time_s[int(rng.integers(10, len(time_s) - 10))] - time_s[0])
+        faulty = inject.jump(recording, start, back * size)
     return _given(walk, faulty, "time_s", size, "s")
 
 
@@ -443,35 +444,31 @@ def tilts_without_rest(walk: Walked, rng: np.random.Generator) -> Injected:
     return _given(walk, faulty, FRAME, size, "s")
 
 
-def _codes(*codes: str) -> frozenset[str]:
-    return frozenset(codes)
-
-
 KINDS: dict[str, tuple[Injection, frozenset[str]]] = {
-    "gyroscope freezes": (gyroscope_freezes, _codes("frozen")),
-    "accelerometer freezes": (accelerometer_freezes, _codes("frozen")),
-    "gyroscope dies": (gyroscope_dies, _codes("frozen")),
-    "axis dies": (axis_dies, _codes("dead axis")),
-    "range, gyroscope": (range_of_gyroscope, _codes("range")),
-    "range, accelerometer": (range_of_accelerometer, _codes("range", "gravity")),
-    "spikes, gyroscope": (spikes_of_gyroscope, _codes("spike")),
-    "spikes, accelerometer": (spikes_of_accelerometer, _codes("spike")),
-    "beyond any range": (beyond_any_range, _codes("spike")),
-    "offset": (offset, _codes()),
-    "offset jumps": (offset_jumps, _codes("offset")),
-    "scale, gyroscope": (scale_of_gyroscope, _codes("scale")),
-    "scale, accelerometer": (scale_of_accelerometer, _codes("gravity")),
-    "lag": (lag, _codes("lag")),
-    "reversed gyroscope": (reversed_gyroscope, _codes("reversed")),
-    "left-handed": (left_handed, _codes("reversed")),
-    "turned": (turned, _codes("turned")),
-    "turned about the vertical": (turned_about_vertical, _codes("turned")),
-    "clock": (clock, _codes()),
-    "sampling rate": (rate, _codes("scale")),
-    "rolls": (rolls, _codes("rolls", "no rest")),
-    "foot": (foot, _codes("foot", "no rest", "rolls")),
-    "start sways": (start_sways, _codes("start", "offset")),
-    "start turns": (start_turns, _codes("start", "offset")),
+    "gyroscope freezes": (gyroscope_freezes, frozenset({"frozen"})),
+    "accelerometer freezes": (accelerometer_freezes, frozenset({"frozen"})),
+    "gyroscope dies": (gyroscope_dies, frozenset({"frozen"})),
+    "axis dies": (axis_dies, frozenset({"dead axis"})),
+    "range, gyroscope": (range_of_gyroscope, frozenset({"range"})),
+    "range, accelerometer": (range_of_accelerometer, frozenset({"range", "gravity"})),
+    "spikes, gyroscope": (spikes_of_gyroscope, frozenset({"spike"})),
+    "spikes, accelerometer": (spikes_of_accelerometer, frozenset({"spike"})),
+    "beyond any range": (beyond_any_range, frozenset({"spike"})),
+    "offset": (offset, frozenset()),
+    "offset jumps": (offset_jumps, frozenset({"offset"})),
+    "scale, gyroscope": (scale_of_gyroscope, frozenset({"scale"})),
+    "scale, accelerometer": (scale_of_accelerometer, frozenset({"gravity"})),
+    "lag": (lag, frozenset({"lag"})),
+    "reversed gyroscope": (reversed_gyroscope, frozenset({"reversed"})),
+    "left-handed": (left_handed, frozenset({"reversed"})),
+    "turned": (turned, frozenset({"turned"})),
+    "turned about the vertical": (turned_about_vertical, frozenset({"turned"})),
+    "clock": (clock, frozenset()),
+    "sampling rate": (rate, frozenset({"scale"})),
+    "rolls": (rolls, frozenset({"rolls", "no rest"})),
+    "foot": (foot, frozenset({"foot", "no rest", "rolls"})),
+    "start sways": (start_sways, frozenset({"start", "offset"})),
+    "start turns": (start_turns, frozenset({"start", "offset"})),
 }
 """Kinds of faults of a walk: how each is injected, and by which codes it is rightly named. Where no
 code is right, only a refusal is."""
@@ -480,13 +477,13 @@ MOTION_KINDS = ("rolls", "foot", "start sways", "start turns")
 """Those in which the motion is at fault, not the sensor: the path is held against the true one."""
 
 TILT_KINDS: dict[str, tuple[Injection, frozenset[str]]] = {
-    "tilts, another order": (tilts_in_another_order, _codes("poses")),
-    "tilts, another footprint": (another_footprint, _codes("poses")),
-    "tilts, scale": (tilts_scaled, _codes("scale")),
-    "tilts, lag": (tilts_lagging, _codes("lag")),
-    "tilts, reversed": (tilts_reversed, _codes("reversed")),
-    "tilts, frozen": (tilts_frozen, _codes("frozen")),
-    "tilts, spikes": (tilts_spiked, _codes("spike")),
-    "tilts, short rest": (tilts_without_rest, _codes("start", "poses")),
+    "tilts, another order": (tilts_in_another_order, frozenset({"poses"})),
+    "tilts, another footprint": (another_footprint, frozenset({"poses"})),
+    "tilts, scale": (tilts_scaled, frozenset({"scale"})),
+    "tilts, lag": (tilts_lagging, frozenset({"lag"})),
+    "tilts, reversed": (tilts_reversed, frozenset({"reversed"})),
+    "tilts, frozen": (tilts_frozen, frozenset({"frozen"})),
+    "tilts, spikes": (tilts_spiked, frozenset({"spike"})),
+    "tilts, short rest": (tilts_without_rest, frozenset({"start", "poses"})),
 }
 """The same of the tilts by which the mount is found."""

@@ -1,0 +1,315 @@
+"""What the walker's finders promise of each fault: whose it is, its cost, how long it lasts."""
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.errors import InputError
+from mobility_imu.faults import Cost, Fault, all_repaired, multiplied
+from mobility_imu.health import examine
+from mobility_imu.recording import Recording
+from mobility_imu.reproduction.walker.fault_kinds import clean_walk
+from mobility_imu.simulation import faults as inject
+from mobility_imu.walker import (
+    ClosedLoop,
+    StillnessSettings,
+    WalkerGeometry,
+    calibrate_mount,
+    estimate_trajectory,
+    fault_checks,
+    find_faults,
+    find_tilt_faults,
+    path_checks,
+    rest_checks,
+    valid_samples,
+)
+from mobility_imu.walker import faults as walker_faults
+from mobility_imu.walker.fault_checks import faults_of_readings, with_reach
+from mobility_imu.walker.faults import not_told
+from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
+from mobility_imu.walker.rest_checks import HalvesFit, Readings
+
+
+@functools.cache
+def walked():
+    return clean_walk(4001, "realistic", with_sd=False)
+
+
+@functools.cache
+def path():
+    walk = walked()
+    return estimate_trajectory(walk.walk.recording, walk.tape, walk.mount)
+
+
+def readings_of(recording):
+    imu, count = recording.sensor("frame"), len(path())
+    rates = recording.gyroscope("frame")[-count:]
+    return Readings(path().time_s, imu.acc_mps2[-count:], rates, path().stationary)
+
+
+def fault(code="range", sensor="frame_gyr", at=slice(100, 110), sentence="walk.csv: so", **more):
+    flags = np.zeros(len(walked().walk.recording), np.bool_)
+    flags[at] = True
+    return Fault(code, sensor, float(flags.argmax()) / 100, flags, sentence, **more)
+
+
+def same(recording):
+    return recording
+
+
+# Whose fault it is.
+
+
+def test_other_sensors_of_the_file_are_not_judged():
+    """A broken sensor on a lever is no fault of the frame, and does not hide one of the frame."""
+    walk = walked()
+    for recording, find in (
+        (walk.walk.recording, lambda r: find_faults(r, walk.tape, walk.mount)),
+        (walk.tilts.recording, lambda r: find_tilt_faults(r, walk.tape)),
+    ):
+        wrong = inject.scale(recording, "frame", "gyr", 1.2)
+        lever = inject.scale(recording, "frame", "gyr", [1, 0, 1]).sensor("frame")
+        both = Recording(
+            wrong.time_s, {"frame": wrong.sensor("frame"), "lever": lever}, source=wrong.source
+        )
+        alone, beside = find(wrong), find(both)
+        assert "scale" in {f.code for f in alone}
+        assert [f.told for f in alone] == [f.told for f in beside]
+        assert all_repaired(beside, both).sensor("lever") is lever
+
+
+# Arguments.
+
+WRONG = [
+    ({"smooth": "maybe"}, "smooth"),
+    ({"settings": 3}, "settings"),
+    ({"stillness": 3}, "stillness"),
+    ({"rests": [1, 2, 3]}, "rests"),
+    ({"closed_loop": 3}, "closed_loop"),
+    ({"closed_loop": ClosedLoop(), "smooth": False}, "closed_loop"),
+]
+WRONG_TILTS = [
+    *WRONG[:3],
+    ({"method": "typo"}, "method"),
+    ({"form": "typo"}, "form"),
+    ({"order": "front"}, "order"),
+    ({"order": ["up"]}, "order"),
+]
+
+
+@pytest.mark.parametrize(("options", "words"), WRONG)
+def test_a_wrong_argument_is_no_recording_without_faults(options, words):
+    with pytest.raises(InputError, match=words):
+        find_faults(walked().walk.recording, walked().tape, walked().mount, **options)
+
+
+@pytest.mark.parametrize(("options", "words"), WRONG_TILTS)
+def test_a_wrong_argument_of_the_tilts_is_named(options, words):
+    with pytest.raises(InputError, match=words):
+        find_tilt_faults(walked().tilts.recording, walked().tape, **options)
+
+
+# What a fault costs.
+
+
+def test_a_cut_range_whose_cost_is_unknown_is_told():
+    negligible = walker_faults._negligible
+    assert not negligible(fault(repair=same))
+    assert negligible(fault(repair=same, costs=(Cost("place", 1e-4, "m"),)))
+    assert not negligible(fault(repair=same, costs=(Cost("place", 1e-2, "m"),)))
+    assert not negligible(fault(costs=(Cost("place", 1e-4, "m"),)))
+
+
+def test_samples_that_a_fault_of_unknown_cost_leaves():
+    """Without a repair: none from there on. With one: those that it does not touch."""
+    whole = slice(None)
+    valid = functools.partial(valid_samples, path())
+    late = len(walked().walk.recording) - len(path())
+    for repair, lost in ((None, slice(200, None)), (same, slice(200, 300))):
+        kept = valid([fault(at=slice(late + 200, late + 300), repair=repair)])
+        assert not kept[lost].any() and kept.sum() == len(kept) - (~kept[lost]).sum()
+        assert not valid([fault(at=whole, repair=repair)]).any()
+    small = fault(at=whole, repair=same, costs=(Cost("place", 0.0, "m"),))
+    assert valid([small]).all()
+    assert valid([fault("start", at=slice(0, late + 5))]).all()
+    odds = fault("at odds", at=slice(late + 200, late + 300))
+    assert not valid([odds])[200:].any() and valid([odds, small]).all()
+
+
+def test_a_place_is_held_against_its_deviation_in_space():
+    """What is moved is a distance in space, so is what it is allowed."""
+    floor, space = path().horizontal_sd_m[-1], np.linalg.norm(path().position_sd_m[-1])
+    between = fault(at=slice(None), repair=same, costs=(Cost("place", (floor + space) / 2, "m"),))
+    beyond = fault(at=slice(None), repair=same, costs=(Cost("place", 1.01 * space, "m"),))
+    assert floor < space
+    assert valid_samples(path(), [between]).all()
+    assert not valid_samples(path(), [beyond]).any()
+
+
+def test_a_path_is_moved_by_the_distance_in_space():
+    """0.3 m aside and 0.4 m up are half a metre."""
+    found, count = path(), len(walked().walk.recording)
+    moved = replace(found, position_m=found.position_m + np.array([0.3, 0.0, 0.4]))
+    series = walker_faults._path_series(moved, found, count)
+    place = series["place", "m"]
+    assert np.isnan(place[: count - len(found)]).all()
+    assert np.allclose(place[count - len(found) :], 0.5)
+    heading = series["heading", "deg"][count - len(found) :]
+    assert (heading == np.rad2deg(found.yaw_rad)).all()
+    assert np.nanmax(walker_faults._path_series(found, found, count)["place", "m"]) == 0
+
+
+@pytest.mark.parametrize("axis", [[1, 0, 0], [1, 1, 1], [0.2, -1, 3]])
+@pytest.mark.parametrize("degrees", [0.5, 90.0, 175.0])
+def test_a_mount_is_moved_by_the_angle_and_the_distance(axis, degrees):
+    """An entry of the matrix would be 57 times its sine or less, as the axes lie."""
+    found = calibrate_mount(walked().tilts.recording, walked().tape, method="two-tilts")
+    turn = Rotation.from_rotvec(np.deg2rad(degrees) * np.array(axis) / np.linalg.norm(axis))
+    mount = replace(
+        found.mount,
+        rotation_imu_to_body=turn.as_matrix() @ found.mount.rotation_imu_to_body,
+        translation_body_m=found.mount.translation_body_m + np.array([0.02, -0.03, 0.06]),
+    )
+    series = walker_faults._mount_series(replace(found, mount=mount), found)
+    assert series["turn of the IMU", "deg"] == pytest.approx(degrees, abs=1e-5)
+    assert series["position of the IMU", "m"] == pytest.approx(0.07)
+
+
+# Nothing twice, and nothing lost.
+
+
+def test_the_filters_words_do_not_tell_a_known_fault_again():
+    text = f"the rests are 9.0 times {ODDS_WORDS} as they should be: hands?"
+    recording, walk = walked().walk.recording, walked()
+    assert ODDS_WORDS in text
+    found = replace(path(), warnings=(text,))
+    known = fault("at odds", "frame")
+    codes = [f.code for f in faults_of_path(recording, found, walk.mount, ())]
+    assert codes == ["at odds"]
+    assert faults_of_path(recording, found, walk.mount, [known]) == []
+    assert not_told([text], [known]) == []
+
+
+def test_faults_of_tilts_are_told_once_with_all_words():
+    recording, walk = walked().tilts.recording, walked()
+    other = WalkerGeometry(walk.tape.footprint_length_m, walk.tape.footprint_width_m)
+    warnings = [
+        *calibrate_mount(recording, other).warnings,
+        f"the rests are 9.0 times {ODDS_WORDS} as they should be: hands?",
+    ]
+    assert len(warnings) >= 3
+    found = faults_of_tilts(recording, warnings, 100, ())
+    assert sorted(f.code for f in found) == ["at odds", "poses"]
+    assert not_told(warnings, found) == []
+    poses = next(f for f in found if f.code == "poses")
+    assert "width is" in poses.sentence and "length is" in poses.sentence
+    known = [fault("at odds", "frame")]
+    assert [f.code for f in faults_of_tilts(recording, warnings, 100, known)] == ["poses"]
+
+
+def test_a_warning_is_dropped_only_if_a_fault_of_its_sensor_says_it():
+    acc = "walk.csv: frame_acc is saturated in 3 samples, first at 3 s: uncertain"
+    gyr = "walk.csv: frame_gyr is saturated in 3 samples, first at 3 s: uncertain"
+    assert not_told([acc, gyr], [fault("range", "frame_gyr")]) == [acc]
+    lean = "by this mount the frame leans by 7.0 deg while it stands: has the IMU moved?"
+    back = "the frame went backward: was it calibrated with tilts in another order than stated?"
+    leaning = fault("turned", "frame", sentence=f"walk.csv: {lean}")
+    words = "walk.csv: frame steps 180 deg to the left of its forward axis"
+    aside = fault("turned", "frame", sentence=words)
+    assert not_told([lean, back], [leaning]) == [back]
+    assert not_told([lean, back], [aside]) == [lean]
+    still = "walk.csv: the readings repeat themselves in 30 samples, first at 3 s: frozen?"
+    assert not_told([still], [fault("frozen", "frame_acc")]) == []
+    assert not_told([still], [fault("range", "frame_acc")]) == [still]
+    text, order = "no tilt to the left found", "walk.csv: the tilts went front, back"
+    assert not_told([text], [fault("poses", "frame", sentence=order)]) == [text]
+
+
+# What the checks say.
+
+
+def test_a_held_accelerometer_is_judged_by_the_users_stillness(monkeypatch):
+    """Whether the gap is bridged depends on what counts as still."""
+    given = StillnessSettings(rate_radps=0.07)
+    asked = []
+
+    def reach(found, recording, stillness):
+        asked.append(stillness)
+        return with_reach(found, recording, stillness)
+
+    monkeypatch.setattr(fault_checks, "with_reach", reach)
+    recording = inject.freeze(walked().walk.recording, "frame", "acc", 14.0, 4.0)
+    faults_of_readings(recording, readings_of(recording), [], given)
+    assert asked == [given]
+
+
+def test_the_stated_deviation_of_the_scale_is_that_of_the_stated_scale(monkeypatch):
+    """Rates are multiplied by 0.5 ± 0.01; so they are 2 ± 0.04 times too large."""
+    fit = HalvesFit(True, np.ones(3), scale=0.5, scale_sd=0.01)
+    monkeypatch.setattr(fault_checks, "fit_halves", lambda readings: fit)
+    recording = walked().walk.recording
+    (found,) = faults_of_readings(recording, readings_of(recording), [], StillnessSettings())
+    assert found.code == "scale" and "100 ± 4 % too much" in found.sentence
+
+
+def test_an_offset_that_jumps_is_told_from_the_jump_on():
+    """A rest before it that turns does not mix into it."""
+    recording = walked().walk.recording
+    readings, rates = readings_of(recording), recording.gyroscope("frame").copy()
+    rests, _ = rest_checks.rest_rates(readings, 0.5)
+    late = len(recording) - len(path())
+    rates[late + rests[2].start : late + rests[2].stop] += np.deg2rad([0, 0, 3.0])
+    rates[recording.time_s > 25] += np.deg2rad([1.0, 0.0, 1.0])
+    imu = replace(recording.sensor("frame"), gyr_radps=rates)
+    wrong = Recording(recording.time_s, {"frame": imu}, source="jumps")
+    told = faults_of_readings(wrong, readings_of(wrong), [], StillnessSettings())
+    (found,) = [f for f in told if f.code == "offset"]
+    assert "jumps" in found.sentence and f"first at {found.first_s:.2f} s" in found.sentence
+    # Between the rests beside 25 s, which one rest may hold.
+    assert 23 < found.first_s < 27 and found.flags[found.flags.argmax() :].all()
+
+
+def test_a_repair_works_on_the_recording_that_it_is_given():
+    """A range and a scale: both are undone, one after the other."""
+    walk = walked()
+    cut = inject.clip(walk.walk.recording, "frame", "gyr", np.deg2rad(40))
+    (found,) = [f for f in examine(cut) if f.code == "range"]
+    found = with_reach(found, cut, StillnessSettings())
+    assert found.repair is not None
+    doubled = multiplied(cut, "frame", "gyr", 2.0)
+    first = multiplied(found.repair(cut), "frame", "gyr", 2.0).gyroscope("frame")
+    second = found.repair(doubled).gyroscope("frame")
+    assert np.abs(second).max() > 1.1 * np.abs(doubled.gyroscope("frame")).max()
+    np.testing.assert_allclose(second, first, rtol=1e-9)
+
+
+def test_shortest_turns_bring_one_direction_to_another():
+    rng = np.random.default_rng(3)
+    first, second = rng.standard_normal((2, 50, 3))
+    first, second = (v / np.linalg.norm(v, axis=1)[:, None] for v in (first, second))
+    turns = rest_checks.shortest_turns(first, second)
+    assert np.allclose(np.einsum("mij,mj->mi", turns, first), second)
+    angle = np.arccos(np.clip((first * second).sum(axis=1), -1, 1))
+    assert np.allclose(Rotation.from_matrix(turns).magnitude(), angle)
+    assert np.allclose(rest_checks.shortest_turns(first[0], second[0]), turns[0])
+
+
+def test_each_sentence_says_what_to_do():
+    """Checked where they are written: a sentence ends with what the reader does next."""
+    walk = walked()
+    gravity = inject.scale(walk.walk.recording, "frame", "acc", 1.1)
+    (found,) = faults_of_readings(gravity, readings_of(gravity), [], StillnessSettings())
+    assert found.code == "gravity" and "calibrate it" in found.sentence
+    turn = Rotation.from_rotvec(np.deg2rad([0, 0, 20])).as_matrix()
+    body = walk.mount.rotation_imu_to_body
+    mount = replace(walk.mount, rotation_imu_to_body=turn @ body)
+    moved = estimate_trajectory(walk.walk.recording, walk.tape, mount)
+    (aside,) = path_checks.faults_of_path(walk.walk.recording, moved, mount)
+    assert aside.code == "turned" and "calibrate the mount again" in aside.sentence
+    leans = Rotation.from_rotvec(np.deg2rad([6, 0, 0])).as_matrix()
+    mount = replace(walk.mount, rotation_imu_to_body=leans @ body)
+    told = find_faults(walk.walk.recording, walk.tape, mount)
+    assert "calibrate the mount again" in next(f for f in told if f.code == "turned").sentence
