@@ -193,7 +193,7 @@ def _rotations() -> list[Claim]:
         *matrices,
         _printed(
             "Tables 1, 3 and 4 with eq. 27",
-            "rounds whose two closing errors differ by the whole lever arm, to 1 %",
+            "rounds whose two closing errors differ by the length of T1 − T2, to 1 %",
             "of 30",
             lambda: float((np.abs(lever_arm_ratio() - 1) < 0.01).sum()),
             reference=0.0,
