@@ -197,7 +197,7 @@ def _rectangle() -> list[Claim]:
 
 
 def _tables_apart() -> list[Claim]:
-    """Tables 3 and 4 differ by the whole difference of the lever arms: which way to compute them does that."""
+    """Tables 3 and 4 differ by the length of T1 − T2: which way to compute them does that."""
     found = []
     for course, corrected in ((CLOSED, "both ends"), (OPEN, "both ends"), (OPEN, "end only")):
         key = {"course": course, "corrected": corrected}
