@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from scipy import fft
 
 from mobility_imu.frames import FloatArray, as_number, as_series
+from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 
 __all__ = ["Lag", "lag_between"]
 
@@ -78,12 +79,7 @@ def lag_between(first: ArrayLike, second: ArrayLike, sampling_rate_hz: float) ->
         if not more or abs(best + more) > reach:
             break
         best += more
-    residual = late - design @ found
-    scores = design * residual[:, None]
-    edges = np.arange(0, len(early), max(1, round(PIECE_S * rate)))
-    sums = np.add.reduceat(scores, edges, axis=0)
-    bread = np.linalg.pinv(design.T @ design)
-    covariance = bread @ (sums.T @ sums) @ bread
+    _, covariance = fit_by_pieces(design, late, pieces_of(len(early), PIECE_S, rate))
     correlation = float(np.corrcoef(early, late)[0, 1])
     if not correlation > LEAST_CORRELATION or abs(rest) * rate > 1:
         return None

@@ -13,21 +13,17 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from mobility_imu.faults import Repair, with_half
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import LARGEST_OFFSET_RADPS, FloatArray
 from mobility_imu.health import frozen_gyroscope
 from mobility_imu.offsets import (
-    LARGEST_OFFSET_RADPS,
-    SHORTEST_REST_S,
     UNKNOWN_OFFSET_SD_RADPS,
     GyroscopeOffset,
-    gyroscope_offset,
-    rest_flags,
     rest_offsets,
     without_offsets,
 )
-from mobility_imu.quality import resolution_of
+from mobility_imu.quality import resolution_of, same_as_before
 from mobility_imu.recording import Recording
-from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.runs import runs_of
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
 from mobility_imu.wheelchair.saturation import saturated_gyroscopes, usable_samples
@@ -43,7 +39,6 @@ from mobility_imu.wheelchair.uncertainty import (
 __all__ = [
     "failed_gyroscopes",
     "held_samples",
-    "offsets_without",
     "recovered",
     "recovery_warnings",
     "replaced",
@@ -132,7 +127,7 @@ def held_samples(gyr_radps: FloatArray) -> Flags:
     (n,) bool array; none of exact readings, which repeat themselves in steady motion
     """
     held = np.zeros(len(gyr_radps), np.bool_)
-    same = np.r_[False, (np.diff(gyr_radps, axis=0) == 0).all(axis=1)]
+    same = same_as_before(gyr_radps)
     runs = [run for run in runs_of(same) if run.stop - run.start >= SHORTEST_HELD - 1]
     if not runs:
         return held
@@ -332,39 +327,6 @@ def recovery_warnings(
     return tuple(sentences)
 
 
-def offsets_without(
-    recording: Recording, sensors: Sequence[str], failed: Mapping[str, Flags]
-) -> dict[str, GyroscopeOffset]:
-    """Offsets at rest; samples in which a gyroscope fails do not count for it.
-
-    Parameters
-    ----------
-    recording : Recording
-    sensors : names
-    failed : from :func:`failed_gyroscopes`
-
-    Returns
-    -------
-    dict from sensor to GyroscopeOffset, as of :func:`~mobility_imu.offsets.rest_offsets`
-    """
-    frozen = {name: flags for name, flags in failed.items() if name in sensors}
-    if not frozen:
-        return rest_offsets(recording, sensors)
-    rate, rest = recording.sampling_rate_hz, np.ones(len(recording), np.bool_)
-    for name in sensors:
-        still = rest_flags(recording.sensor(name).acc_mps2, recording.gyroscope(name), rate)
-        rest &= still | frozen.get(name, np.zeros_like(still))
-    works = ~np.all([frozen.get(name, np.zeros_like(rest)) for name in sensors], axis=0)
-    rest = long_runs(rest & works, max(1, round(SHORTEST_REST_S * rate)), grow=False)
-    found = {}
-    for name in sensors:
-        own = rest & ~frozen.get(name, np.zeros_like(rest))
-        offset = gyroscope_offset(recording.gyroscope(name), own, rate)
-        if offset is not None:
-            found[name] = offset
-    return found
-
-
 def with_recovered_sd(
     sd: SpeedUncertainty,
     rates: Mapping[str, FloatArray],
@@ -460,7 +422,7 @@ def replaced(
     names = with_gyroscope(recording, CHAIR)
     if len(_along(recording, names, mount)) < len(CHAIR):
         return mended
-    offsets = offsets_without(recording, names, {**others, sensor: flags})
+    offsets = rest_offsets(recording, names, skip={**others, sensor: flags})
     calm = without_offsets(recording, offsets)
     turn = {
         "frame": mount.rotation_frame_imu_to_chair,

@@ -21,6 +21,7 @@ from mobility_imu.offsets import (
     GyroscopeOffset,
     merge_offsets,
     offset_warnings,
+    rest_offsets,
     without_offsets,
 )
 from mobility_imu.recording import Recording
@@ -36,7 +37,6 @@ from mobility_imu.wheelchair.geometry import (
 from mobility_imu.wheelchair.mount import WheelchairMount
 from mobility_imu.wheelchair.recovery import (
     failed_gyroscopes,
-    offsets_without,
     recovered,
     recovery_warnings,
     unknown_where,
@@ -450,7 +450,7 @@ def _one_recording(
     if settings.form == "printed" or not settings.take_off_offsets:
         offsets = {}
     else:
-        found = merge_offsets(offsets_without(recording, names, failed), offsets)
+        found = merge_offsets(rest_offsets(recording, names, skip=failed), offsets)
         offsets = {name: found[name] for name in names if name in found}
         warnings = (*offset_warnings(recording, offsets, names), *warnings)
         recording = without_offsets(recording, offsets)

@@ -22,6 +22,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
 from mobility_imu.wheelchair.contradictions import Witnesses, axle_of
+from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import Side
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.recovery import tied_rate
@@ -384,12 +385,9 @@ def _apart(w: Witnesses) -> tuple[float, float] | None:
         found = np.linalg.lstsq(design[used], target[used], rcond=None)[0]
         misfit = np.abs(target - design @ found)
         used = misfit <= max(4 * 1.48 * float(np.median(misfit)), 0.01)
-    residual = np.where(used, target - design @ found, 0.0)
-    edges = np.arange(0, len(target), max(1, round(PIECE_S * w.rate_hz)))
-    sums = np.add.reduceat(design * residual[:, None], edges, axis=0)
-    bread = np.linalg.pinv(design[used].T @ design[used])
-    sd = float(np.sqrt((bread @ (sums.T @ sums) @ bread)[2, 2]))
-    return float(found[2]), sd
+    piece = pieces_of(len(target), PIECE_S, w.rate_hz)
+    found, covariance = fit_by_pieces(design[used], target[used], piece[used])
+    return float(found[2]), float(np.sqrt(covariance[2, 2]))
 
 
 def offset_fault(
