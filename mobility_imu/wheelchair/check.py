@@ -22,7 +22,7 @@ from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault
 from mobility_imu.filters import rms
-from mobility_imu.frames import FloatArray, as_number
+from mobility_imu.frames import LARGEST_OFFSET_RADPS, FloatArray, as_number
 from mobility_imu.offsets import (
     GyroscopeOffset,
     merge_offsets,
@@ -32,7 +32,7 @@ from mobility_imu.offsets import (
 )
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
-from mobility_imu.wheelchair.faults import sensor_faults
+from mobility_imu.wheelchair.faults import SMALL, sensor_faults
 from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
 from mobility_imu.wheelchair.lags import lag_between
@@ -71,10 +71,24 @@ BLOCK_S = 1.0
 """Residuals last about a push; those of one block are taken together."""
 # Below this, track, mismatch of the radii and offset cannot be told apart.
 SMALLEST_INDEPENDENT_PART = 1e-6
-LARGEST_LAG_S = 0.05
-"""Turns begin within half a second: a lag of a tenth of that changes gains by half a percent."""
-UNJUDGED = frozenset({"frozen", "dead axis", "copy", "exchanged", "turned", "reversed"})
-"""Codes of faults with which turns and wheels say nothing of the geometry."""
+UNJUDGED = frozenset(
+    {"frozen", "dead axis", "copy", "exchanged", "turned", "reversed", "at odds", "clock"}
+)
+"""Codes of faults with which turns and wheels say nothing of the geometry, whatever their size. In
+a drive that is mirrored they do: track, radii and camber are the same to the left and the right."""
+UNJUDGED_BEYOND = MappingProxyType(
+    {
+        "lag": SMALL["lag"],
+        "scale": SMALL["scale"],
+        "offset": float(np.rad2deg(LARGEST_OFFSET_RADPS)),
+    }
+)
+"""The same of faults beyond a size, in s, as a fraction and in deg/s. Turns begin within half a
+second: a lag of a tenth of that changes gains by half a percent. A constant is fitted with the
+track, so that an offset moves neither track nor radii; beyond what a gyroscope can have, a rest is
+taken for a turn."""
+ALIKE = 0.95
+"""Correlation from which on wheels and frame go together: their factor is the geometry's."""
 NO_VERDICT = MappingProxyType(
     {"judged": False, "fits": False}
     | dict.fromkeys(
@@ -197,8 +211,10 @@ def check_geometry(
         *offset_warnings(recording, found, names),
         *saturation_warnings(recording, saturated),
     )
-    usable = usable_samples(len(recording), saturated)
-    as_recorded, recording = recording, without_offsets(recording, found)
+    faults = sensor_faults(recording, geometry, mount, offsets=offsets)
+    cut = {f.sensor: f.flags for f in faults if f.code == "range" and f.sensor.endswith("_gyr")}
+    usable = usable_samples(len(recording), {**saturated, **cut})
+    recording = without_offsets(recording, found)
     yaw = mount.frame(recording.gyroscope("frame"))[:, 2]
     wheels = [mount.wheel(side, recording.gyroscope(f"{side}_wheel")) for side in SIDES]
     left, right = (
@@ -210,11 +226,11 @@ def check_geometry(
     parts = _Parts(
         recording, yaw, wheels[0], wheels[1], (left + right) / 2, right - left, usable, gyroscopes
     )
+    together = _go_together(parts)
     faulty = [
-        fault.sentence
-        for fault in sensor_faults(as_recorded, geometry, mount, offsets=offsets)
-        if _spoils(fault, agreement["turned_rad"])
+        fault.sentence for fault in faults if _spoils(fault, agreement["turned_rad"], together)
     ]
+    beside = [fault.sentence for fault in faults if fault.code == "mirrored" and not faulty]
     verdict: dict[str, Any] = (
         {
             "warnings": (
@@ -227,17 +243,30 @@ def check_geometry(
     )
     return GeometryCheck(
         **agreement,
-        **{**NO_VERDICT, **verdict, "warnings": (*verdict["warnings"], *warnings)},
+        **{**NO_VERDICT, **verdict, "warnings": (*verdict["warnings"], *beside, *warnings)},
         geometry=geometry,
         offsets=found,
     )
 
 
-def _spoils(fault: Fault, turned_rad: float) -> bool:
+def _spoils(fault: Fault, turned_rad: float, together: bool) -> bool:
     """Whether the geometry, which a drive with turns would show, cannot be judged with a fault."""
-    if fault.code == "lag":
-        return turned_rad >= LEAST_TURNED_RAD and fault.size > LARGEST_LAG_S
+    if fault.code == "lag" and turned_rad < LEAST_TURNED_RAD:
+        return False
+    if fault.code == "at odds" and together:
+        return False  # the geometry that was given is wrong, which is what is asked
+    if fault.code in UNJUDGED_BEYOND:
+        return fault.size > UNJUDGED_BEYOND[fault.code]
     return fault.code in UNJUDGED and "_acc" not in fault.sensor
+
+
+def _go_together(parts: _Parts) -> bool:
+    """Whether the wheels follow the frame's yaw rate, whatever track and radii are."""
+    rest = np.column_stack([parts.speed, np.ones(len(parts.speed))])[parts.usable]
+    pair = np.column_stack([parts.yaw, parts.apart])[parts.usable]
+    left = pair - rest @ np.linalg.lstsq(rest, pair, rcond=None)[0]
+    size = float(np.linalg.norm(left[:, 0]) * np.linalg.norm(left[:, 1]))
+    return size > 0 and float(left[:, 0] @ left[:, 1]) > ALIKE * size
 
 
 class _Gyroscopes(NamedTuple):

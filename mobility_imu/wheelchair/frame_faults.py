@@ -252,8 +252,8 @@ def _scale(w: Witnesses, by_gravity: Gain) -> tuple[float, float]:
     other = None if speeds is None else gain_of(w.yaw["frame"], speeds, w.rate_hz)
     if other is not None and other.correlation > ALIKE:
         track = errors.track_sd_m / w.geometry.wheel_centre_distance_m
-        apart, own = abs(1 / other.gain - by_gravity.gain), abs(1 / other.gain - 1)
-        if apart > max(own, 3 * np.hypot(track, errors.radius_sd)):
+        apart = abs(1 / other.gain - by_gravity.gain) / by_gravity.gain
+        if apart > 3 * np.hypot(track, errors.radius_sd):
             return 0.0, sd  # camber or track is wrong, which is another question
     return error, sd
 
@@ -301,6 +301,8 @@ def at_odds(w: Witnesses) -> Iterator[Fault]:
         )
     elif own > ALIKE and other < APART:
         sentence += "; each wheel's own gravity speaks for the frame, so a wheel's spin is wrong"
+    elif own > ALIKE and other > ALIKE:
+        sentence += "; all go together but for a factor: are track, radii and camber right?"
     else:
         sentence += "; what the result is wrong by is not known"
     first = float(w.recording.time_s[int(np.argmax(slip))])

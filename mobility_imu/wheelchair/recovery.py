@@ -6,7 +6,7 @@ r_R Om_R - r_L Om_L = d_c * yaw, as long as no wheel slips: any two of the three
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,11 +39,13 @@ from mobility_imu.wheelchair.uncertainty import (
 __all__ = [
     "failed_gyroscopes",
     "held_samples",
+    "others_of",
     "recovered",
     "recovery_warnings",
     "replaced",
     "tied_rate",
     "unknown_where",
+    "unreplaced",
     "wheel_forces",
     "with_gyroscope",
     "with_recovered_sd",
@@ -220,6 +222,25 @@ def tied_rate(
     return np.asarray((left * rates["left_wheel"] + distance * rates["frame"]) / right)
 
 
+def unreplaced(failed: Mapping[str, Flags], sensors: Collection[str]) -> dict[str, Flags]:
+    """Where nothing replaces a gyroscope that fails: another one fails as well, or is missing.
+
+    Parameters
+    ----------
+    failed : from :func:`failed_gyroscopes`
+    sensors : names of those that there are
+
+    Returns
+    -------
+    dict from sensor to (n,) bool array; without the sensors that are replaced throughout
+    """
+    if any(name not in sensors for name in CHAIR):
+        return dict(failed)
+    together = sum(flags.astype(int) for flags in failed.values())
+    lost = {name: flags & (together > 1) for name, flags in failed.items()}
+    return {name: flags for name, flags in lost.items() if flags.any()}
+
+
 def recovered(
     rates: Mapping[str, FloatArray],
     forces: Mapping[str, FloatArray],
@@ -249,8 +270,9 @@ def recovered(
     new = dict(rates)
     if not failed:
         return new, {}
+    lost = unreplaced(failed, rates)
     if any(name not in rates for name in CHAIR):
-        return new, dict(failed)
+        return new, lost
     along = {name: rate[:, 2] for name, rate in rates.items()}
     others = {name: tied_rate(along, name, geometry) for name in failed}
     if "frame" in failed:
@@ -259,16 +281,12 @@ def recovered(
         gain = _gain_while_it_works(own[works], along["frame"][works], sampling_rate_hz)
         if gain is not None:
             others["frame"] = gain * own
-    together = sum(flags.astype(int) for flags in failed.values())
-    lost = {}
     for name, flags in failed.items():
-        alone = flags & (together == 1)
+        alone = flags & ~lost[name] if name in lost else flags
         values = np.array(rates[name])
         values[alone] = 0.0
         values[alone, 2] = others[name][alone]
         new[name] = values
-        if (flags & ~alone).any():
-            lost[name] = flags & ~alone
     return new, lost
 
 
@@ -299,6 +317,21 @@ def _gain_while_it_works(
     return together / power
 
 
+def others_of(sensor: str) -> str:
+    """Names of the chair's two other sensors, for a sentence.
+
+    Parameters
+    ----------
+    sensor : "frame", "left_wheel" or "right_wheel"
+
+    Examples
+    --------
+    >>> others_of("frame")
+    'left_wheel and right_wheel'
+    """
+    return " and ".join(other for other in CHAIR if other != sensor)
+
+
 def recovery_warnings(
     recording: Recording, failed: Mapping[str, Flags], lost: Mapping[str, Flags]
 ) -> tuple[str, ...]:
@@ -319,10 +352,9 @@ def recovery_warnings(
         gone = lost.get(name, np.zeros_like(flags))
         back = flags & ~gone
         if back.any():
-            others = " and ".join(other for other in CHAIR if other != name)
             sentences.append(
                 f"{recording.source}: the gyroscope of {name} fails for {back.sum() / rate:.2f} s; "
-                f"{others} replace it there, where slip cannot be seen"
+                f"{others_of(name)} replace it there, where slip cannot be seen"
             )
     return tuple(sentences)
 

@@ -261,7 +261,8 @@ def at_odds(
         return ()
     return (
         f"{source}: wheels and frame disagree in {100 * part:.0f} % of the time in which one of "
-        "them turns; no wheel slips so long: is a sensor dead, late, exchanged or turned?",
+        "them turns; no wheel slips so long: is a sensor dead, late, exchanged or turned? Check "
+        "each sensor's name and place, and record again",
     )
 
 

@@ -53,6 +53,7 @@ from mobility_imu.wheelchair.series import alike
 from mobility_imu.wheelchair.slip import (
     SlipMethod,
     SlipSettings,
+    at_odds,
     correct_slip,
     detect_slip,
     wheel_speeds,
@@ -466,6 +467,8 @@ def _one_recording(
         recording, geometry, mount, rates, settings, usable_samples(len(recording), failed)
     )
     yaw_rate = rates["frame"][:, 2]
+    if both and settings.form == "corrected":
+        warnings += at_odds(slip, wheel_yaw, yaw_rate, settings.slip, source.source)
     sd = speed_uncertainty(
         rates,
         wheel_yaw - yaw_rate if both else None,

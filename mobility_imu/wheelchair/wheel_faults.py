@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from itertools import product
 
@@ -23,8 +23,8 @@ from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
 from mobility_imu.wheelchair.contradictions import Witnesses, axle_of
 from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
-from mobility_imu.wheelchair.geometry import Side
-from mobility_imu.wheelchair.lags import lag_between
+from mobility_imu.wheelchair.geometry import SIDES, Side
+from mobility_imu.wheelchair.lags import Lag, lag_between
 from mobility_imu.wheelchair.recovery import tied_rate
 from mobility_imu.wheelchair.turning import yaw_rate_of_wheel
 
@@ -87,9 +87,16 @@ def other_axles(w: Witnesses) -> Iterator[Fault]:
         if max(apart.values()) > max(least.values()) and crossed < max(least.values()):
             yield _exchanged(w.recording, in_trial=True)
             return
+    both = all(f"{side}_wheel" in w.names for side in SIDES)
     for side, angle in apart.items():
         if angle <= least[side]:
             continue
+        if len(axles) == 1 and both:
+            # The other wheel's gyroscope fails, or turns too little: its axle is still known.
+            other: Side = "right" if side == "left" else "left"
+            if _between(axles[side], w.mount.rotation_imu_to_wheel(other)[2]) < least[side]:
+                yield _exchanged(w.recording, in_trial=True)
+                return
         name = f"{side}_wheel"
         axle = axles[side] * _way_round(w, side, axles[side], known[side])
         angle = float(np.arccos(np.clip(axle @ known[side], -1.0, 1.0)))
@@ -225,13 +232,8 @@ def late(w: Witnesses) -> Iterator[Fault]:
     lags = w.lags()
     if not lags:
         return
-    names = list(dict.fromkeys(name for pair in lags for name in pair))
-    first = names[0]
-    times = {first: 0.0}
-    sds = {first: LEAST_LAG_SD_S}
-    for (one, other), lag in lags.items():
-        if one == first and other not in times:
-            times[other], sds[other] = lag.lag_s, float(np.hypot(lag.sd_s, LEAST_LAG_SD_S))
+    first = next(iter(lags))[0]
+    times, sds = _times_after(first, lags)
     least = LEAST_LAG_SAMPLES / w.rate_hz
     if len(times) == 3:
         middle = float(np.median(list(times.values())))
@@ -252,6 +254,24 @@ def late(w: Witnesses) -> Iterator[Fault]:
             f"{way} {abs(lag_s):.3f} ± {spread:.3f} s against {behind}; put the sensors on one "
             "clock", size=abs(lag_s), unit="s", repair=partial(shifted, sensor=name, lag_s=lag_s),
         )  # fmt: skip
+
+
+def _times_after(
+    first: str, lags: Mapping[tuple[str, str], Lag]
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Lag of each sensor after a first one and its standard deviation, over others if need be."""
+    times, sds = {first: 0.0}, {first: LEAST_LAG_SD_S}
+    waiting = [first]
+    while waiting:
+        at = waiting.pop(0)
+        for (one, other), lag in lags.items():
+            for here, there, lag_s in ((one, other, lag.lag_s), (other, one, -lag.lag_s)):
+                if here == at and there not in times:
+                    times[there] = times[at] + lag_s
+                    beside = LEAST_LAG_SD_S if at == first else sds[at]
+                    sds[there] = float(np.hypot(lag.sd_s, beside))
+                    waiting.append(there)
+    return times, sds
 
 
 def wrong_scales(w: Witnesses) -> Iterator[Fault]:
