@@ -43,6 +43,7 @@ from mobility_imu.wheelchair.velocity import ChairVelocity, VelocitySettings, es
 __all__ = [
     "find_faults",
     "not_told",
+    "ranges_told",
     "results",
     "sensor_faults",
     "valid_samples",
@@ -443,6 +444,29 @@ EXPLAINS = frozenset(
 """Codes of faults for which wheels and frame disagree throughout."""
 
 
+def ranges_told(recording: Recording, faults: Iterable[Fault]) -> set[str]:
+    """Warnings of gyroscopes at the end of their range that faults say already.
+
+    Parameters
+    ----------
+    recording : Recording that an estimate or a calibration used
+    faults : Fault, of the same recording as it came
+
+    Returns
+    -------
+    set of str
+    """
+    told = _gyroscopes_with("range", faults)
+    cut = saturated_gyroscopes(recording, with_gyroscope(recording, CHAIR))
+    return set(saturation_warnings(recording, {n: f for n, f in cut.items() if n in told}))
+
+
+def _gyroscopes_with(code: str, faults: Iterable[Fault]) -> set[str]:
+    """Sensors whose gyroscope has a fault of this kind."""
+    parts = [_parts(fault.sensor) for fault in faults if fault.code == code]
+    return {sensor for sensor, half in parts if half != "acc"}
+
+
 def not_told(
     drive: ChairVelocity,
     recording: Recording,
@@ -465,24 +489,18 @@ def not_told(
     -------
     list of str
     """
-    told = {
-        (fault.code, sensor)
-        for fault in faults
-        for sensor, half in [_parts(fault.sensor)]
-        if half != "acc"
-    }
+    faults = tuple(faults)
     names = with_gyroscope(recording, CHAIR)
-    cut = saturated_gyroscopes(recording, names)
     failed = failed_gyroscopes(recording, names, mount, geometry)
-    known = {
-        *saturation_warnings(recording, {n: f for n, f in cut.items() if ("range", n) in told}),
-        *recovery_warnings(
+    frozen = _gyroscopes_with("frozen", faults)
+    known = ranges_told(recording, faults) | set(
+        recovery_warnings(
             recording,
-            {n: f for n, f in failed.items() if ("frozen", n) in told},
+            {name: flags for name, flags in failed.items() if name in frozen},
             unreplaced(failed, names),
-        ),
-    }
-    if any(code in EXPLAINS for code, _ in told):
+        )
+    )
+    if any(fault.code in EXPLAINS for fault in faults):
         known |= set(
             at_odds(
                 drive.slip,
