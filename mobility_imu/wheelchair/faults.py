@@ -100,7 +100,8 @@ def find_faults(
     -------
     tuple of Fault
         empty if nothing was found; costs are of ``speed`` (m/s), ``yaw rate`` (deg/s), ``distance``
-        (m, signed, from the start) and ``turn`` (deg, likewise)
+        (m, signed, from the start) and ``turn`` (deg, likewise). What a gyroscope costs that the
+        others replace throughout is not known: the estimate replaces it as the repair does.
 
     Raises
     ------
@@ -113,7 +114,12 @@ def find_faults(
     def estimate(one: Recording) -> dict[tuple[str, str], FloatArray]:
         return results(one, geometry, mount, settings, offsets)
 
-    return tuple(_without_trifles(fault) for fault in with_costs(found, recording, estimate))
+    one = _own(recording, geometry, mount, settings)
+    known = [replace(f, repair=None) if _is_replaced(one, f) else f for f in found]
+    return tuple(
+        _without_trifles(replace(priced, repair=fault.repair))
+        for priced, fault in zip(with_costs(known, recording, estimate), found, strict=True)
+    )
 
 
 def results(
@@ -239,6 +245,26 @@ class _Own(NamedTuple):
     """Samples of failed gyroscopes that the estimate does not replace."""
 
 
+def _own(
+    recording: Recording,
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    settings: VelocitySettings,
+) -> _Own:
+    failed = _failed(recording, geometry, mount)
+    works = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
+    lost = unreplaced(failed, works) if settings.form == "corrected" else failed
+    return _Own(recording, geometry, mount, failed, lost)
+
+
+def _is_replaced(one: _Own, fault: Fault) -> bool:
+    """Whether the others replace a frozen gyroscope in all samples that it repeats."""
+    sensor, half = _parts(fault.sensor)
+    if fault.code != "frozen" or half == "acc" or sensor not in one.failed:
+        return False
+    return sensor not in one.lost or not (fault.flags & one.lost[sensor]).any()
+
+
 def _of_one_sensor(
     recording: Recording,
     geometry: WheelchairGeometry,
@@ -246,11 +272,8 @@ def _of_one_sensor(
     settings: VelocitySettings,
 ) -> Iterator[Fault]:
     """What any recording shows; lone jumps; and better ways to undo what a gyroscope lost."""
-    failed = _failed(recording, geometry, mount)
-    works = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
-    lost = unreplaced(failed, works) if settings.form == "corrected" else failed
-    one = _Own(recording, geometry, mount, failed, lost)
-    found: list[Fault] = []
+    one = _own(recording, geometry, mount, settings)
+    failed, found = one.failed, list[Fault]()
     for fault in examine(recording):
         sensor, half = _parts(fault.sensor)
         if half != "gyr" or sensor not in CHAIR or fault.code not in REPLACED:

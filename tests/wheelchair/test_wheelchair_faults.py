@@ -324,6 +324,24 @@ def test_each_kind_of_the_study_runs_and_is_told_or_harmless(kind):
     assert summary_of(kind, [row | {"kind": kind}])["cases"] == 1
 
 
+def test_a_summary_counts_what_is_told_and_priced():
+    """Two matter and are told, one without a cost; a cost of 0 is one, and it is wrong."""
+    said = {"kind": "lag", "found_as": "lag", "right": True, "ratio": 5.0, "cost_real": 0.1}
+    rows = [
+        said | {"cost_stated": 0.15},
+        said | {"cost_stated": 0.0},
+        said | {"cost_stated": None},
+        said | {"cost_stated": 0.1, "right": False, "found_as": "turned"},
+        said | {"cost_stated": None, "right": False, "found_as": ""},
+        said | {"cost_stated": 0.1, "ratio": 1.0},
+        said | {"found_as": "refused", "ratio": float("inf")},
+    ]
+    assert summary_of("lag", rows) == {
+        "kind": "lag", "cases": 7, "refused": 1, "matter": 5, "told": 4, "right": 3, "priced": 2,
+        "within_two": 1, "unpriced": 2, "largest_missed": 5.0,
+    }  # fmt: skip
+
+
 def test_an_example_for_a_drawing():
     clean, faulty, before, after, found = example("lag", 2)
     assert len(clean) == len(faulty) and list(before) == list(after)
@@ -341,7 +359,7 @@ def test_the_record_as_a_table():
         on_edge = int((mine["ratio"] == 2.0).sum())
         assert abs(int(mine["matters"].sum()) - row["matter"]) <= on_edge
         found = int((mine["matters"] & (mine["found_as"].fillna("") != "")).sum())
-        assert abs(found - row["found"]) <= on_edge
+        assert abs(found - row["told"]) <= on_edge
 
 
 def test_hardly_anything_is_told_of_drives_without_a_fault():

@@ -162,6 +162,7 @@ def test_a_frozen_gyroscope_is_told_once_with_what_replaces_it(sensor):
     others = " and ".join(name for name in SENSORS if name != sensor)
     assert f"{others} replace it there" in frozen.sentence
     assert "record again" not in frozen.sentence
+    assert frozen.costs == ()  # by the estimate itself, which replaces it, no cost can be found
     found = estimate_velocity(faulty, geometry, cal.mount, offsets=cal.offsets)
     assert any("replace it there" in s for s in found.warnings)
     left = not_told(found, faulty, geometry, cal.mount, told)
