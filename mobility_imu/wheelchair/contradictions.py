@@ -40,6 +40,7 @@ __all__ = ["Gain", "Witnesses", "axle_of", "gain_of", "lone_jumps", "steady_dire
 SPINNING_RADPS = 1.0
 """A wheel from here on shows its axle."""
 SHORTEST_SPINNING_S = 3.0
+"""In less time a wheel goes round too rarely for the chair's turn to cancel across its axle."""
 SLOW_TURN_RADPS = 0.3
 """Below it, the centripetal acceleration of a sensor beside the middle is under 0.03 m/s²."""
 LARGEST_PUSH_MPS2 = 1.0
@@ -47,9 +48,12 @@ LARGEST_PUSH_MPS2 = 1.0
 LEAST_TURNED_RAD = np.pi
 """Half a turn in all, to whichever side, is needed to judge the frame's yaw rate."""
 PIECE_S = 2.0
+"""Residuals of one piece depend on each other: a stroke lasts about a second."""
 MOST_FITS = 15
+"""What is left out settles after a few fits; this ends those that go back and forth."""
 ALIKE = 0.95
-"""Correlation of two speeds of one wheel's centre: the wheels roll, and no name is exchanged."""
+"""Correlation of two speeds of one wheel's centre: the wheels roll, and no name is exchanged. Set
+by hand on simulated courts that the study of faults does not use."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -350,7 +354,8 @@ def tilt_of(witnesses: Witnesses) -> tuple[FloatArray, float] | None:
 
 JUMP_TIMES, JUMP_TAIL = 10.0, 5.5
 """A lone reading counts that is so many times beyond what nine of ten readings around it do, and
-so many times beyond what two in a thousand of the whole recording do."""
+so many times beyond what two in a thousand of the whole recording do. Set by hand on simulated
+courts that the study of faults does not use, as are the two limits that follow."""
 LEAST_JUMP_RADPS = 0.02
 RAREST = 0.002
 LEAST_LEVER_M = 0.05

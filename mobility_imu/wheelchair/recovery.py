@@ -56,12 +56,17 @@ CHAIR = ("frame", "left_wheel", "right_wheel")
 FEWEST_AT_END = 3
 """Samples at the end of a range; fewer are a peak that happens to be as high."""
 LEAST_TURNED_RAD, LEAST_CORRELATION = np.pi / 2, 0.98
-"""Turn of the chair, and agreement, by which the wheels' own yaw rate shows that it can be used."""
+"""Turn of the chair, and agreement, by which the wheels' own yaw rate shows that it can be used.
+Set by hand, like the limits without a reason below, on simulated courts that the study of faults
+does not use."""
 SHORTEST_HELD = 4
+"""Fewer equal readings in a row are not looked at."""
 LARGEST_CHANCE, LEAST_CHANCE = 1e-4, 0.02
 """Of a repetition in a recording by noise alone; three axes repeat together at least so often."""
 FEWEST_CHANGES = 50
+"""Of fewer changes a correlation says little."""
 QUIETEST = 0.2
+"""Part of the changes, the smallest, that noise makes rather than motion."""
 LEAST_CHANGE_RADPS = 1e-5
 """A tenth of the finest steps that are sold; smaller changes are those of a computer's numbers."""
 BACK_AND_FORTH = -0.1

@@ -34,14 +34,20 @@ LARGEST_AXLE_RAD = float(np.deg2rad(2.0))
 """Axle of a drive against that of the straight-line trial: real drives stay below 1.5 deg."""
 AXLE_SCATTERS = 1.5
 """Times what is left across the axle: in two or three turns of a wheel the chair's own turn, which
-goes round with the wheel, does not cancel."""
+goes round with the wheel, does not cancel. Set by hand on simulated courts that the study of faults
+does not use."""
+MOSTLY_ACROSS = 0.2
+"""A sensor that turns across its axle by more of what it turns in all shows no axle; set as above.
+"""
 LEAST_LAG_SAMPLES = 0.8
 """A sensor's rows stand for some time within one sample: up to one lies between two sensors."""
 LEAST_LAG_SD_S = 0.001
 """Standard deviation of a lag at least: vibration is no movement of the whole chair."""
 SURE_SIGN = 0.5
+"""A factor beyond it, with the wrong sign, is no scale error: no gyroscope reads so little."""
 GO_TOGETHER, APART = 0.95, 0.9
-"""Correlations of yaw rates that surely are of one motion, and of such that are not."""
+"""Correlations of yaw rates that surely are of one motion, and of such that are not. Set by hand on
+simulated courts that the study of faults does not use."""
 SURE = 4.0
 """Standard deviations from which on a difference is told; by chance once in 10,000 times."""
 LEAST_SCALE = 0.0125
@@ -56,8 +62,9 @@ FACTORY_SCALE_SD = 0.01
 LEAST_CLOCK, CLOCK_SDS = 0.03, 3.0
 """Scale that no gyroscope has (MPU-6050: 3 %), and how near two have to be to be one clock's."""
 LARGEST_CONDITION = 50.0
-"""Beyond it, turn, speed and constant cannot be told apart."""
+"""Beyond it, turn, speed and constant cannot be told apart: errors may grow so many times."""
 PIECE_S = 2.0
+"""Residuals of one piece depend on each other: a stroke lasts about a second."""
 
 
 def other_axles(w: Witnesses) -> Iterator[Fault]:
@@ -73,7 +80,7 @@ def other_axles(w: Witnesses) -> Iterator[Fault]:
     """
     seen = {side: axle_of(w, side) for side in w.sides}
     known = {side: w.mount.rotation_imu_to_wheel(side)[2] for side in w.sides}
-    axles = {side: found[0] for side, found in seen.items() if found and found[1] < 0.2}
+    axles = {side: found[0] for side, found in seen.items() if found and found[1] < MOSTLY_ACROSS}
     apart = {side: _between(axle, known[side]) for side, axle in axles.items()}
     least = {
         side: max(LARGEST_AXLE_RAD, AXLE_SCATTERS * found[1])
@@ -382,9 +389,9 @@ def wrong_offsets(w: Witnesses) -> Iterator[Fault]:
             expected = by_side[side] if blamed == side else 0.0
             misfit[blamed] += ((offset - expected) / offset_sd) ** 2
     side = min(misfit, key=lambda one: misfit[one])
-    axle = w.mount.rotation_imu_to_wheel(side)[2]
-    sd_radps = sd / radius.of(side)
-    yield offset_fault(w.recording, f"{side}_wheel", by_side[side] * axle, sd_radps, "the others")
+    axle, sd_radps = w.mount.rotation_imu_to_wheel(side)[2], sd / radius.of(side)
+    name = f"{side}_wheel"
+    yield offset_fault(w.recording, name, axle, by_side[side], sd_radps, "the others")
 
 
 def _apart(w: Witnesses) -> tuple[float, float] | None:
@@ -411,28 +418,35 @@ def _apart(w: Witnesses) -> tuple[float, float] | None:
 
 
 def offset_fault(
-    recording: Recording, name: str, offset_radps: FloatArray, sd_radps: float, by: str
+    recording: Recording,
+    name: str,
+    axis: FloatArray,
+    offset_radps: float,
+    sd_radps: float,
+    by: str,
 ) -> Fault:
-    """Fault of a gyroscope that reads a constant too much although no rest shows it.
+    """Fault of a gyroscope that reads a constant too much or too little; no rest shows it.
 
     Parameters
     ----------
     recording : Recording
     name : sensor
-    offset_radps : (3,) array, rad/s, in the sensor's axes
-    sd_radps : rad/s, along the offset
+    axis : (3,) unit array, in the sensor's axes: a wheel's axle, positive forward, or up
+    offset_radps, sd_radps : rad/s, along the axis, and its standard deviation
     by : what shows it
 
     Returns
     -------
     Fault
     """
-    size = float(np.rad2deg(np.linalg.norm(offset_radps)))
+    size = float(np.rad2deg(abs(offset_radps)))
+    way = "too much" if offset_radps > 0 else "too little"
+    about = "upward (turns to the left)" if name == "frame" else "forward about its axle"
     return fault_of(
         recording, "offset", f"{name}_gyr", np.ones(len(recording), np.bool_),
-        f"reads {size:.2f} ± {np.rad2deg(sd_radps):.2f} deg/s too much or too little, by {by}, and "
-        "no rest of the drive shows it; let the chair stand for some seconds at the beginning",
-        size=size, unit="deg/s", repair=_taken_off(name, offset_radps),
+        f"reads {size:.2f} ± {np.rad2deg(sd_radps):.2f} deg/s {way} {about}, by {by}, "
+        "and no rest of the drive shows it; let the chair stand for some seconds at the beginning",
+        size=size, unit="deg/s", repair=_taken_off(name, offset_radps * axis),
     )  # fmt: skip
 
 

@@ -145,10 +145,13 @@ def test_an_offset_that_no_rest_shows():
     up = drive(rests=False).court.mounting["frame"].rotation_body_to_imu[:, 2]
     (found,) = look(inject.offset(clean, "frame", "gyr", np.deg2rad(3.0) * up), rests=False)
     assert (found.code, found.sensor) == ("offset", "frame_gyr")
+    assert "too much upward (turns to the left)" in found.sentence
     assert found.size == pytest.approx(3.0, abs=0.5)
     axle = drive(rests=False).court.mounting["left_wheel"].rotation_body_to_imu[:, 2]
-    (found,) = look(inject.offset(clean, "left_wheel", "gyr", np.deg2rad(4.0) * axle), rests=False)
+    (found,) = look(inject.offset(clean, "left_wheel", "gyr", -np.deg2rad(4.0) * axle), rests=False)
     assert (found.code, found.sensor) == ("offset", "left_wheel_gyr")
+    way = float(axle @ calibration(rests=False).mount.rotation_imu_to_wheel("left")[2])
+    assert f"too {'much' if way < 0 else 'little'} forward about its axle" in found.sentence
     assert found.size == pytest.approx(4.0, abs=1.0)
 
 
