@@ -106,7 +106,7 @@ def find_faults(
     Raises
     ------
     InputError
-        If an argument is of another kind.
+        If an argument is of another kind, or a reading is larger than any sensor's.
     """
     settings = settings_or_default("settings", settings, VelocitySettings)
     found = sensor_faults(recording, geometry, mount, settings, offsets=offsets)

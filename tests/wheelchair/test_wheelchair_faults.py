@@ -314,6 +314,8 @@ def test_a_lag_is_found_to_a_part_of_a_sample(lag):
     found = lag_between(motion[500:4500] + noise[0], motion[500 - lag : 4500 - lag] + noise[1], 100)
     assert found.lag_s == pytest.approx(lag / 100, abs=max(4 * found.sd_s, 0.001))
     assert lag_between(motion[:4000], rng.normal(0, 1, 4000), 100) is None
+    rounding = 1e-17 * np.arange(4000)
+    assert lag_between(0.1 + rounding, rounding, 100) is None
 
 
 # The study

@@ -248,6 +248,27 @@ def test_what_a_look_cannot_do_is_no_fault_and_no_error():
             assert not found.repair or len(found.repair(part)) == len(part)
 
 
+def silent(imu, half):
+    """A sensor one of whose halves reads one thing: nothing, or gravity."""
+    if half == "acc":
+        return Imu(np.tile([0.0, 0.0, 9.81], (len(imu), 1)), imu.gyr_radps)
+    return Imu(imu.acc_mps2, np.zeros_like(imu.acc_mps2))
+
+
+@pytest.mark.parametrize("half", ["acc", "gyr"])
+@pytest.mark.parametrize("names", [SENSORS, *((name,) for name in SENSORS)])
+def test_sensors_that_say_nothing_end_no_look(names, half):
+    """What is looked for may be there or not; an estimate of the same recording tells more."""
+    cal, geometry = calibration(), drive().court.geometry
+    sensors = dict(drive().trial.sensors)
+    for name in names:
+        sensors[name] = silent(sensors[name], half)
+    trial = Recording(drive().trial.time_s, sensors, source="silent")
+    found = sensor_faults(trial, geometry, cal.mount, offsets=cal.offsets)
+    drives = estimate_velocity(trial, geometry, cal.mount, offsets=cal.offsets)
+    assert len(not_told(drives, trial, geometry, cal.mount, found)) <= len(drives.warnings)
+
+
 @pytest.mark.parametrize("sensor", SENSORS[1:])
 def test_exchanged_wheels_of_which_one_fails_are_not_told_as_turned(sensor):
     swapped = inject.exchange(drive().trial, "left_wheel", "right_wheel")
