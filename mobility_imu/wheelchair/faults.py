@@ -462,9 +462,13 @@ def with_valid(drive: ChairVelocity, faults: tuple[Fault, ...]) -> ChairVelocity
 
 
 EXPLAINS = frozenset(
-    {"at odds", "range", "dead axis", "lag", "scale", "exchanged", "turned", "reversed", "mirrored"}
+    {
+        *("at odds", "dead axis", "exchanged", "lag", "mirrored", "offset", "range", "reversed"),
+        *("scale", "turned"),
+    }
 )
-"""Codes of faults for which wheels and frame disagree throughout."""
+"""Codes of faults for which wheels and frame may disagree throughout. Where they still do once the
+others are mended, the look :func:`~mobility_imu.wheelchair.frame_faults.at_odds` tells it."""
 
 
 def ranges_told(recording: Recording, faults: Iterable[Fault]) -> set[str]:
