@@ -13,7 +13,7 @@ from scipy import ndimage
 from mobility_imu.faults import Fault, half_of, interpolated, multiplied, shifted, with_half
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.health import fault_of
-from mobility_imu.quality import SHORTEST_FROZEN_S, resolution_of, same_as_before
+from mobility_imu.quality import SHORTEST_FROZEN_S, resolution_of
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
 from mobility_imu.walker.rest_checks import (
@@ -221,7 +221,7 @@ def _halves(recording: Recording, readings: Readings) -> Iterator[Fault]:
 def _held(recording: Recording, readings: Readings) -> Iterator[Fault]:
     """An accelerometer in coarse steps that repeats itself while the gyroscope turns gravity."""
     imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
-    same = same_as_before(imu.acc_mps2)
+    same = np.r_[False, (np.diff(imu.acc_mps2, axis=0) == 0).all(axis=1)]
     same = long_runs(same, max(2, round(SHORTEST_FROZEN_S * rate_hz) - 1), grow=True)
     if not same.any():
         return
