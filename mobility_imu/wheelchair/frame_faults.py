@@ -22,8 +22,8 @@ from mobility_imu.wheelchair.contradictions import (
 )
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.recovery import replaced
+from mobility_imu.wheelchair.slip import CHECK_SENSORS, detect_slip
 from mobility_imu.wheelchair.slip import at_odds as disagreement
-from mobility_imu.wheelchair.slip import detect_slip
 from mobility_imu.wheelchair.wheel_faults import (
     LEAST_OFFSET_RADPS,
     SURE,
@@ -305,7 +305,10 @@ def at_odds(w: Witnesses) -> Iterator[Fault]:
     elif own > ALIKE and other < APART:
         sentence += "; each wheel's own gravity speaks for the frame, so a wheel's spin is wrong"
     elif own > ALIKE and other > ALIKE:
-        sentence += "; all go together but for a factor: are track, radii and camber right?"
+        sentence = sentence.removesuffix(CHECK_SENSORS) + (
+            "all go together but for a factor; are track, radii and camber right? Run "
+            "`mobility-imu wheelchair check`"
+        )
     else:
         sentence += "; what the result is wrong by is not known"
     first = float(w.recording.time_s[int(np.argmax(slip))])
