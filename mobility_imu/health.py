@@ -17,7 +17,12 @@ from numpy.typing import NDArray
 
 from mobility_imu.faults import Fault, Repair, interpolated, multiplied, widened
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
-from mobility_imu.quality import frozen_samples, saturated_samples, turned_gravity
+from mobility_imu.quality import (
+    frozen_samples,
+    same_as_before,
+    saturated_samples,
+    turned_gravity,
+)
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.runs import long_runs, runs_of
 
@@ -182,7 +187,7 @@ def frozen_gyroscope(
 
 def _silent(acc: FloatArray, gyr: FloatArray, rate_hz: float) -> NDArray[np.bool_]:
     """Where a gyroscope says one number for seconds although gravity turns beside it."""
-    same = np.r_[False, (np.diff(gyr, axis=0) == 0).all(axis=1)]
+    same = same_as_before(gyr)
     silent = np.zeros(len(gyr), np.bool_)
     for run in runs_of(same):
         whole = slice(max(0, run.start - 1), run.stop)

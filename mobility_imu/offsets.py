@@ -15,7 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_flags, as_number, as_vectors
+from mobility_imu.frames import (
+    LARGEST_OFFSET_RADPS,
+    FloatArray,
+    as_flags,
+    as_number,
+    as_vectors,
+)
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import long_runs, runs_of
@@ -49,8 +55,6 @@ EDGE_S = 0.25
 BLOCK_S = 0.5
 """A rest is cut into blocks of this length, whose means are taken for independent."""
 SHORTEST_REST_S = 1.0
-LARGEST_OFFSET_RADPS = 0.15
-"""Nothing that is sold has more (8.6 deg/s): it is a steady turn."""
 LARGE_OFFSET_RADPS = float(np.deg2rad(1.0))
 """From this size on a warning states the offset, which makes 30 deg in half a minute."""
 LARGE_SD_RADPS = float(np.deg2rad(0.5))
@@ -156,7 +160,10 @@ def rest_flags(
     for name, values in (("acc_mps2", acc), ("gyr_radps", gyr)):
         largest = float(np.abs(values).max(initial=0.0))
         if largest > LARGEST_READING:
-            raise InputError(f"{name}: reaches {largest:.4g}, more than any sensor reads")
+            raise InputError(
+                f"{name}: reaches {largest:.4g}, more than any sensor reads; remove that sample, "
+                "or check the unit"
+            )
     window = max(3, round(WINDOW_S * rate))
     if len(acc) < window:
         return np.zeros(len(acc), np.bool_)
@@ -239,14 +246,20 @@ def gyroscope_offset(
 
 
 def rest_offsets(
-    recording: Recording, sensors: Collection[str] | None = None
+    recording: Recording,
+    sensors: Collection[str] | None = None,
+    *,
+    skip: Mapping[str, ArrayLike] | None = None,
 ) -> dict[str, GyroscopeOffset]:
     """Offsets of the gyroscopes of one recording, from the times in which all its sensors rest.
+
+    A gyroscope that fails tells neither its offset nor whether it rests; the others still do.
 
     Parameters
     ----------
     recording : Recording
     sensors : names of those that move together with the device; all with a gyroscope if None
+    skip : sensor to (n,) flags, the samples in which its gyroscope fails; none if None
 
     Returns
     -------
@@ -255,18 +268,29 @@ def rest_offsets(
     Raises
     ------
     InputError
-        If a sensor is missing or has no gyroscope.
+        If a sensor is missing or has no gyroscope, or flags have another length.
     """
     if sensors is None:
         names = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
     else:
         names = list(sensors)
-    rate = recording.sampling_rate_hz
-    rest = np.ones(len(recording), np.bool_)
+    rate, count = recording.sampling_rate_hz, len(recording)
+    fails = {
+        name: as_flags(flags, f"skip[{name!r}]", length=count)
+        for name, flags in (skip or {}).items()
+        if name in names
+    }
+    none = np.zeros(count, np.bool_)
+    rest, works = ~none, none.copy()
     for name in names:
-        rest &= rest_flags(recording.sensor(name).acc_mps2, recording.gyroscope(name), rate)
-    rest = long_runs(rest, max(1, round(SHORTEST_REST_S * rate)), grow=False)
-    found = {name: gyroscope_offset(recording.gyroscope(name), rest, rate) for name in names}
+        still = rest_flags(recording.sensor(name).acc_mps2, recording.gyroscope(name), rate)
+        rest &= still | fails.get(name, none)
+        works |= ~fails.get(name, none)
+    rest = long_runs(rest & works, max(1, round(SHORTEST_REST_S * rate)), grow=False)
+    found = {
+        name: gyroscope_offset(recording.gyroscope(name), rest & ~fails.get(name, none), rate)
+        for name in names
+    }
     return {name: offset for name, offset in found.items() if offset is not None}
 
 

@@ -17,7 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_count, as_floats, as_number
+from mobility_imu.frames import (
+    LARGEST_OFFSET_RADPS,
+    FloatArray,
+    as_count,
+    as_floats,
+    as_number,
+)
 from mobility_imu.runs import long_runs, runs_of
 
 SHORTEST_FROZEN_S = 0.25
@@ -44,8 +50,6 @@ no accident."""
 LONG_PLATEAU = 8
 LARGEST_LOOK = 10
 """Samples beyond a plateau at which it is looked at how far the readings have fallen, at most."""
-LARGEST_OFFSET_RADPS = 0.15
-"""No gyroscope that is sold has a larger offset (8.6 deg/s)."""
 FELT_FRACTION = 0.15
 """Fraction of a reading's length by which another sensor has to expect a change (9 deg of tilt)."""
 
@@ -135,6 +139,33 @@ def resolution_of(values: ArrayLike, *, skip: ArrayLike | None = None) -> Resolu
     return Resolution(repeats, step, count)
 
 
+def same_as_before(values: ArrayLike) -> NDArray[np.bool_]:
+    """Where a sensor reads on all axes what it read one sample before.
+
+    Parameters
+    ----------
+    values : (n, k) array
+
+    Returns
+    -------
+    (n,) bool array; the first sample has none before it
+
+    Raises
+    ------
+    InputError
+        If the readings are no series of one or more axes.
+
+    Examples
+    --------
+    >>> same_as_before([[0, 1], [0, 1], [0, 2]]).tolist()
+    [False, True, False]
+    """
+    values = _readings(values)
+    same = np.zeros(len(values), np.bool_)
+    same[1:] = (np.diff(values, axis=0) == 0).all(axis=1)
+    return same
+
+
 def frozen_samples(
     values: ArrayLike, sampling_rate_hz: float, *, follows: Sequence[ArrayLike] = ()
 ) -> NDArray[np.bool_]:
@@ -170,7 +201,7 @@ def frozen_samples(
             raise InputError(f"follows: expected shape {values.shape}, got {one.shape}")
     if not len(values):
         return np.zeros(0, np.bool_)
-    same = np.r_[False, (np.diff(values, axis=0) == 0).all(axis=1)]
+    same = same_as_before(values)
     repeated = long_runs(same, max(2, round(SHORTEST_FROZEN_S * rate) - 1), grow=True)
     if not repeated.any():
         return repeated

@@ -282,3 +282,17 @@ def test_what_no_sensor_reads_is_refused(size):
             pytest.raises(InputError, match=f"{name}_.*: reaches|nite"),
         ):
             rest_flags(*arrays, 100.0)
+
+
+def test_a_gyroscope_that_fails_tells_no_offset_and_no_motion():
+    """It repeats a turn through the whole rest: what works keeps its offset, it has none."""
+    still, dead = sensor(seed=1), sensor(seed=2)
+    dead[1][:450] = [0.0, 2.0, 0.0] + np.sin(np.arange(450))[:, None]
+    both = recording(still, dead, names=("frame", "wheel"))
+    assert rest_offsets(both) == {}
+    fails = np.arange(len(still[0])) < 450
+    found = rest_offsets(both, skip={"wheel": fails})
+    assert list(found) == ["frame"]
+    assert found["frame"].offset_radps == pytest.approx(OFFSET, abs=1e-3)
+    with pytest.raises(InputError, match="skip"):
+        rest_offsets(both, skip={"wheel": fails[1:]})

@@ -26,9 +26,11 @@ def read_input(
     device: str,
     sampling_rate_hz: float | None,
     fill_gaps_s: float = 0.0,
-    strict: bool = False,
 ) -> Recording:
-    """Recording for a command of a device; its faults are told by :func:`tell_faults`.
+    """Recording for a command of a device.
+
+    A command finds the faults of the sensors that it uses and tells them, or refuses the recording,
+    with :func:`tell_faults`.
 
     Parameters
     ----------
@@ -36,7 +38,6 @@ def read_input(
     device : "scooter", "wheelchair" or "walker"
     sampling_rate_hz : of ``--sampling-rate-hz``
     fill_gaps_s : of ``--fill-gaps-s``
-    strict : of ``--strict``
 
     Returns
     -------
@@ -45,8 +46,7 @@ def read_input(
     Raises
     ------
     InputError
-        What reading refuses, a sensor that stands for two, and with ``strict`` any fault that a
-        sensor shows by itself.
+        What reading refuses, and a sensor that stands for two.
     """
     from mobility_imu.health import examine
     from mobility_imu.readers import read_recording
@@ -58,7 +58,7 @@ def read_input(
         expected=SENSORS[device],
     )
     for found in examine(recording):
-        if strict or found.code == "copy":
+        if found.code == "copy":
             raise InputError(found.sentence)
     return recording
 

@@ -58,7 +58,7 @@ def calibrate(
 
     outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
     frame = WalkerGeometry.from_toml(geometry)
-    recording = read_input(tilts, "walker", sampling_rate_hz, fill_gaps_s, strict)
+    recording = read_input(tilts, "walker", sampling_rate_hz, fill_gaps_s)
     options: dict[str, Any] = {
         "method": method,
         "form": form,
@@ -115,7 +115,7 @@ def trajectory(
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
-    recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s, strict)
+    recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s)
     known = None if rests is None else read_rests(rests, recording.time_s)
     options = {"smooth": smooth, "closed_loop": closed_loop, "rests": known}
     found, table = _followed(walk, recording, _footprint(geometry), mount, options, strict)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -75,12 +75,12 @@ def velocity(
         find_faults,
         smooth_recording,
     )
-    from mobility_imu.wheelchair.faults import with_valid
+    from mobility_imu.wheelchair.faults import not_told, with_valid
 
     trials = (trial, static, straight)
     outputs = Outputs({"--output": output}, (*_files(trials), geometry))
     chair = WheelchairGeometry.from_toml(geometry)
-    read = _read(trials, sampling_rate_hz, fill_gaps_s, strict)
+    read = _read(trials, sampling_rate_hz, fill_gaps_s)
     drive, still, line = (
         smooth_recording(recording, smoothing, window=filter_window, order=filter_order)
         for recording in read
@@ -89,12 +89,14 @@ def velocity(
     settings = _settings(camber, slip_correction)
     # Smoothing hides what repeats itself: faults are looked for in what was recorded.
     faults = find_faults(read[0], chair, calibration.mount, settings, offsets=calibration.offsets)
-    tell_faults((*_of_trials(read[1:]), *faults), strict)
+    of_line = _faults_of_trial(read[2])
+    tell_faults((*_faults_of_trial(read[1]), *of_line, *faults), strict)
     found = estimate_velocity(
         drive, chair, calibration.mount, settings, offsets=calibration.offsets
     )
     found = with_valid(found, faults)
-    warn(_untold((*calibration.warnings, *found.warnings)))
+    _warn_of_calibration(calibration, line, of_line)
+    warn(not_told(found, drive, chair, calibration.mount, faults))
     outputs.write({output: csv_bytes(found.to_frame(), output)})
     summarize([read_line(drive), *velocity_lines(found), written_line([output])], quiet)
 
@@ -119,19 +121,21 @@ def _calibrated(
     return calibrate_mount(still, line, take_off_offsets=take_off_offsets)
 
 
-def _of_trials(trials: Sequence[Recording]) -> Iterator[Fault]:
-    """Faults of the calibration's trials; an accelerometer of a wheel is not used there."""
+def _faults_of_trial(trial: Recording) -> list[Fault]:
+    """Faults of a trial of the calibration, which uses no accelerometer of a wheel."""
     from mobility_imu.health import examine
 
-    for trial in trials:
-        for fault in examine(trial):
-            if not fault.sensor.endswith("wheel_acc"):
-                yield fault
+    return [fault for fault in examine(trial) if "wheel_acc" not in fault.sensor]
 
 
-def _untold(sentences: Sequence[str]) -> list[str]:
-    """Without the warnings of gyroscopes at the end of their range: they are told as faults."""
-    return [sentence for sentence in sentences if "is at the end of its range" not in sentence]
+def _warn_of_calibration(
+    calibration: WheelchairCalibration, line: Recording, faults: Sequence[Fault]
+) -> None:
+    """Warn of what the calibration says and no fault of the straight-line trial does."""
+    from mobility_imu.wheelchair.faults import ranges_told
+
+    known = ranges_told(line, faults)
+    warn(sentence for sentence in calibration.warnings if sentence not in known)
 
 
 def _files(trials: tuple[Path, ...]) -> list[Path]:
@@ -141,21 +145,9 @@ def _files(trials: tuple[Path, ...]) -> list[Path]:
 
 
 def _read(
-    trials: tuple[Path, ...],
-    sampling_rate_hz: float | None,
-    fill_gaps_s: float,
-    strict: bool,
+    trials: tuple[Path, ...], sampling_rate_hz: float | None, fill_gaps_s: float
 ) -> list[Recording]:
-    return [
-        read_input(
-            trial,
-            "wheelchair",
-            sampling_rate_hz=sampling_rate_hz,
-            fill_gaps_s=fill_gaps_s,
-            strict=strict,
-        )
-        for trial in trials
-    ]
+    return [read_input(trial, "wheelchair", sampling_rate_hz, fill_gaps_s) for trial in trials]
 
 
 @app.command("check")
@@ -179,12 +171,14 @@ def check(
     """Whether track, radii and camber fit what the frame's gyroscope says of the turns."""
     from mobility_imu.cli.summaries import check_lines, read_line
     from mobility_imu.wheelchair import WheelchairGeometry, check_geometry, find_faults
+    from mobility_imu.wheelchair.faults import ranges_told
 
     chair = WheelchairGeometry.from_toml(geometry)
-    drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s, strict)
+    drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s)
     calibration = _calibrated(drive, still, line)
     faults = find_faults(drive, chair, calibration.mount, offsets=calibration.offsets)
-    tell_faults((*_of_trials((still, line)), *faults), strict)
+    of_line = _faults_of_trial(line)
+    tell_faults((*_faults_of_trial(still), *of_line, *faults), strict)
     found = check_geometry(
         drive,
         chair,
@@ -192,8 +186,9 @@ def check(
         offsets=calibration.offsets,
         gyr_scale_sd=gyroscope_scale_percent / 100,
     )
-    warn(calibration.warnings)
-    typer.echo(check_text(found, told=[fault.sentence for fault in faults]))
+    _warn_of_calibration(calibration, line, of_line)
+    told = {fault.sentence for fault in faults} | ranges_told(drive, faults)
+    typer.echo(check_text(found, told))
     summarize([read_line(drive), *check_lines(found)], quiet)
 
 
@@ -203,7 +198,7 @@ def check_text(found: GeometryCheck, told: Collection[str] = ()) -> str:
     Parameters
     ----------
     found : GeometryCheck
-    told : sentences on faults that were told on the error stream, and are left out here
+    told : warnings that faults, told on the error stream, say already; they are left out here
 
     Returns
     -------

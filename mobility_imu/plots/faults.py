@@ -83,7 +83,7 @@ def _draw(ax: Axes, time_s: FloatArray, pair: Pair) -> None:
     ax.set_ylabel(pair.label)
 
 
-def draw_shares(counts: Mapping[str, pd.DataFrame]) -> Figure:
+def draw_percentages(counts: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw which part of the faults that matter is told, by kind and device.
 
     Parameters

@@ -29,13 +29,13 @@ def fault_counts(device: str) -> pd.DataFrame:
     DataFrame by kind
         ``cases``; ``matter``: those that move the result by more than twice its stated standard
         deviation, or that nothing reads; of these ``told`` (at all) and ``right`` (by the right
-        name); ``priced``, those with a stated cost, and of these ``within`` a factor of two of what
-        they really cost
+        name); ``priced``, those with a stated cost, and of these ``within_two``, whose cost is
+        right within a factor of two; ``unpriced``, told without a cost
     """
     import pandas as pd
 
     one_of("device", device, DEVICES)
-    rows = [_counts(row) for row in _summaries(device)]
+    rows = [_with_refused(row) for row in _summaries(device)]
     return pd.DataFrame(rows).set_index("kind")
 
 
@@ -44,23 +44,14 @@ def _summaries(device: str) -> list[dict[str, Any]]:
     return list(found["summary" if device == "scooter" else "kinds"])
 
 
-def _counts(row: dict[str, Any]) -> dict[str, Any]:
-    refused = row.get(
-        "refused", 0
-    )  # the scooter's study counts them among what matters and is told
-    told, right = row.get("told", row.get("found")), row.get("rightly", row.get("right"))
-    return {
-        "kind": row["kind"],
-        "cases": row["cases"],
-        "matter": row["matter"] + refused,
-        "told": told + refused,
-        "right": right + refused,
-        "priced": row["priced"],
-        "within": row["within_two"],
-    }
+def _with_refused(row: dict[str, Any]) -> dict[str, Any]:
+    """Counts of a kind; a recording that is refused has a fault that matters, rightly told."""
+    seen = ("matter", "told", "right")
+    same = ("kind", "cases", "priced", "within_two", "unpriced")
+    return {n: row[n] for n in same} | {n: row[n] + row["refused"] for n in seen}
 
 
-def shares(counts: pd.DataFrame) -> pd.Series:
+def percentages(counts: pd.DataFrame) -> pd.Series:
     """Percentages over all kinds.
 
     Parameters
@@ -70,7 +61,7 @@ def shares(counts: pd.DataFrame) -> pd.Series:
     Returns
     -------
     Series
-        ``told`` and ``right`` of those that matter, ``within`` of those with a cost
+        ``told`` and ``right`` of those that matter, ``within_two`` of those with a cost
     """
     import pandas as pd
 
@@ -79,6 +70,6 @@ def shares(counts: pd.DataFrame) -> pd.Series:
         {
             "told": 100 * total["told"] / total["matter"],
             "right": 100 * total["right"] / total["matter"],
-            "within": 100 * total["within"] / total["priced"],
+            "within_two": 100 * total["within_two"] / total["priced"],
         }
     )

@@ -22,7 +22,7 @@ from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault
 from mobility_imu.filters import rms
-from mobility_imu.frames import FloatArray, as_number
+from mobility_imu.frames import LARGEST_OFFSET_RADPS, FloatArray, as_number
 from mobility_imu.offsets import (
     GyroscopeOffset,
     merge_offsets,
@@ -32,7 +32,8 @@ from mobility_imu.offsets import (
 )
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
-from mobility_imu.wheelchair.faults import sensor_faults
+from mobility_imu.wheelchair.faults import SMALL, sensor_faults
+from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.mount import WheelchairMount
@@ -51,7 +52,6 @@ STEADY_S = 1.0
 """Over a second the wobble of pushes averages out; what is left is turning."""
 LEAST_TURNED_RAD = 2 * np.pi
 """A whole turn: on rough ground a straight drive of half a minute turns by half of one."""
-LONGEST_LAG_S = 0.5
 # Two wheels against each other; with it the radii are taken as given, as a tape gives them.
 RADIUS_RATIO_SD = 0.005 * float(np.sqrt(2))
 # What a tape can do: a centimetre of track, a degree of camber, half a percent of radius.
@@ -71,10 +71,24 @@ BLOCK_S = 1.0
 """Residuals last about a push; those of one block are taken together."""
 # Below this, track, mismatch of the radii and offset cannot be told apart.
 SMALLEST_INDEPENDENT_PART = 1e-6
-LARGEST_LAG_S = 0.05
-"""Turns begin within half a second: a lag of a tenth of that changes gains by half a percent."""
-UNJUDGED = frozenset({"frozen", "dead axis", "copy", "exchanged", "turned", "reversed"})
-"""Codes of faults with which turns and wheels say nothing of the geometry."""
+UNJUDGED = frozenset(
+    {"frozen", "dead axis", "copy", "exchanged", "turned", "reversed", "at odds", "clock"}
+)
+"""Codes of faults with which turns and wheels say nothing of the geometry, whatever their size. In
+a drive that is mirrored they do: track, radii and camber are the same to the left and the right."""
+UNJUDGED_BEYOND = MappingProxyType(
+    {
+        "lag": SMALL["lag"],
+        "scale": SMALL["scale"],
+        "offset": float(np.rad2deg(LARGEST_OFFSET_RADPS)),
+    }
+)
+"""The same of faults beyond a size, in s, as a fraction and in deg/s. Turns begin within half a
+second: a lag of a tenth of that changes gains by half a percent. A constant is fitted with the
+track, so that an offset moves neither track nor radii; beyond what a gyroscope can have, a rest is
+taken for a turn."""
+ALIKE = 0.95
+"""Correlation from which on wheels and frame go together: their factor is the geometry's."""
 NO_VERDICT = MappingProxyType(
     {"judged": False, "fits": False}
     | dict.fromkeys(
@@ -104,7 +118,7 @@ class GeometryCheck(Result):
     correlation : of the two yaw rates; NaN if one of them does not change. Here and in what
         follows samples are left out in which a gyroscope is at the end of its range
     gain : factor on the frame's yaw rate that fits the wheels' best
-    lag_s : s by which the wheels come after the frame
+    lag_s : s by which the wheels come after the frame; NaN if the two yaw rates do not go together
     turned_rad : rad turned in all, to either side, while turning faster than 0.3 rad/s
     judged : False if the drive turns too little to judge the geometry, or a sensor is at fault;
         what follows is then NaN
@@ -197,8 +211,10 @@ def check_geometry(
         *offset_warnings(recording, found, names),
         *saturation_warnings(recording, saturated),
     )
-    usable = usable_samples(len(recording), saturated)
-    as_recorded, recording = recording, without_offsets(recording, found)
+    faults = sensor_faults(recording, geometry, mount, offsets=offsets)
+    cut = {f.sensor: f.flags for f in faults if f.code == "range" and f.sensor.endswith("_gyr")}
+    usable = usable_samples(len(recording), {**saturated, **cut})
+    recording = without_offsets(recording, found)
     yaw = mount.frame(recording.gyroscope("frame"))[:, 2]
     wheels = [mount.wheel(side, recording.gyroscope(f"{side}_wheel")) for side in SIDES]
     left, right = (
@@ -210,11 +226,11 @@ def check_geometry(
     parts = _Parts(
         recording, yaw, wheels[0], wheels[1], (left + right) / 2, right - left, usable, gyroscopes
     )
+    together = _go_together(parts)
     faulty = [
-        fault.sentence
-        for fault in sensor_faults(as_recorded, geometry, mount, offsets=offsets)
-        if _spoils(fault, agreement["turned_rad"])
+        fault.sentence for fault in faults if _spoils(fault, agreement["turned_rad"], together)
     ]
+    beside = [fault.sentence for fault in faults if fault.code == "mirrored" and not faulty]
     verdict: dict[str, Any] = (
         {
             "warnings": (
@@ -227,17 +243,30 @@ def check_geometry(
     )
     return GeometryCheck(
         **agreement,
-        **{**NO_VERDICT, **verdict, "warnings": (*verdict["warnings"], *warnings)},
+        **{**NO_VERDICT, **verdict, "warnings": (*verdict["warnings"], *beside, *warnings)},
         geometry=geometry,
         offsets=found,
     )
 
 
-def _spoils(fault: Fault, turned_rad: float) -> bool:
+def _spoils(fault: Fault, turned_rad: float, together: bool) -> bool:
     """Whether the geometry, which a drive with turns would show, cannot be judged with a fault."""
-    if fault.code == "lag":
-        return turned_rad >= LEAST_TURNED_RAD and fault.size > LARGEST_LAG_S
+    if fault.code == "lag" and turned_rad < LEAST_TURNED_RAD:
+        return False
+    if fault.code == "at odds" and together:
+        return False  # the geometry that was given is wrong, which is what is asked
+    if fault.code in UNJUDGED_BEYOND:
+        return fault.size > UNJUDGED_BEYOND[fault.code]
     return fault.code in UNJUDGED and "_acc" not in fault.sensor
+
+
+def _go_together(parts: _Parts) -> bool:
+    """Whether the wheels follow the frame's yaw rate, whatever track and radii are."""
+    rest = np.column_stack([parts.speed, np.ones(len(parts.speed))])[parts.usable]
+    pair = np.column_stack([parts.yaw, parts.apart])[parts.usable]
+    left = pair - rest @ np.linalg.lstsq(rest, pair, rcond=None)[0]
+    size = float(np.linalg.norm(left[:, 0]) * np.linalg.norm(left[:, 1]))
+    return size > 0 and float(left[:, 0] @ left[:, 1]) > ALIKE * size
 
 
 class _Gyroscopes(NamedTuple):
@@ -289,34 +318,16 @@ def _agreement(
     """Fields of GeometryCheck that compare the two yaw rates, with no geometry fitted."""
     steady = ndimage.uniform_filter1d(yaw, max(1, round(STEADY_S * fs)))[usable]
     steady = steady[np.abs(steady) > SLOWEST_TURN_RADPS]
-    surely = lag_between(yaw * usable, wheels * usable, fs)
-    lag = _lag(yaw * usable, wheels * usable, fs) if surely is None else surely.lag_s
+    lag = lag_between(yaw * usable, wheels * usable, fs)
     yaw, wheels = yaw[usable], wheels[usable]
     moves = len(yaw) > 0 and yaw.std() > 0 and wheels.std() > 0
     return {
         "residual_radps": rms(wheels - yaw) if len(yaw) else float("nan"),
         "correlation": float(np.corrcoef(yaw, wheels)[0, 1]) if moves else float("nan"),
         "gain": float(wheels @ yaw / (yaw @ yaw)) if yaw.any() else float("nan"),
-        "lag_s": lag if moves else float("nan"),
+        "lag_s": float("nan") if lag is None else lag.lag_s,
         "turned_rad": float(np.abs(steady).sum() / fs),
     }
-
-
-def _lag(yaw: FloatArray, wheels: FloatArray, fs: float) -> float:
-    """Time by which the wheels come after the frame, from the largest correlation."""
-    reach = min(round(LONGEST_LAG_S * fs), len(yaw) // 4)
-    if reach < 1:
-        return float("nan")
-    smooth = max(1, round(LONGEST_LAG_S / 2 * fs))
-    first, second = (ndimage.uniform_filter1d(v - v.mean(), smooth) for v in (yaw, wheels))
-    inside = first[reach : len(first) - reach]
-    products = [inside @ second[k : k + len(inside)] for k in range(2 * reach + 1)]
-    best = int(np.argmax(products))
-    if not 0 < best < 2 * reach:
-        return float((best - reach) / fs)
-    before, peak, after = products[best - 1 : best + 2]
-    bend = before - 2 * peak + after
-    return float((best - reach + (0.5 * (before - after) / bend if bend else 0.0)) / fs)
 
 
 def _verdict(
@@ -399,8 +410,8 @@ def _distances(
             f"{recording.source}: the wheels' speed is constant or proportional to the yaw rate "
             "throughout, expected turns and straight lines; do both wheel sensors work?"
         )
-    block = np.arange(len(yaw))[moving] // max(round(BLOCK_S * recording.sampling_rate_hz), 1)
-    found, covariance = _fit(design, parts.apart[moving], block)
+    block = pieces_of(len(yaw), BLOCK_S, recording.sampling_rate_hz)
+    found, covariance = fit_by_pieces(design, parts.apart[moving], block[moving])
     axes = {
         "frame": -geometry.wheel_centre_distance_m * mount.rotation_frame_imu_to_chair[2],
         **{
@@ -494,22 +505,6 @@ def _on_camber(geometry: WheelchairGeometry, camber: float, camber_sd: float) ->
         f"the rates across the axles fit a camber of {np.rad2deg(camber):.1f} deg, not "
         f"{np.rad2deg(geometry.camber_rad):.1f} deg"
     ]
-
-
-def _fit(
-    design: FloatArray, target: FloatArray, block: NDArray[np.int64]
-) -> tuple[FloatArray, FloatArray]:
-    """Least squares and its covariance, from the scatter of whole blocks of residuals.
-
-    Residuals of one block may depend on each other in any way (cluster-robust covariance).
-    """
-    found = np.asarray(np.linalg.lstsq(design, target, rcond=None)[0], float)
-    scores = design * (target - design @ found)[:, None]
-    starts = np.nonzero(np.diff(block, prepend=block[0] - 1))[0]
-    sums = np.add.reduceat(scores, starts, axis=0)
-    bread = np.linalg.inv(design.T @ design)
-    unexplained = max(len(starts) - design.shape[1], 1)
-    return found, bread @ (sums.T @ sums) @ bread * len(starts) / unexplained
 
 
 def _camber(

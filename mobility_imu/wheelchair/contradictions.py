@@ -21,15 +21,17 @@ from mobility_imu.offsets import (
     UNKNOWN_OFFSET_SD_RADPS,
     GyroscopeOffset,
     merge_offsets,
+    rest_offsets,
     without_offsets,
 )
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
+from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
 from mobility_imu.wheelchair.lags import Lag, lag_between
 from mobility_imu.wheelchair.mount import WheelchairMount
-from mobility_imu.wheelchair.recovery import offsets_without, tied_rate
-from mobility_imu.wheelchair.turning import SpinFit, spin_fit, yaw_rate_of_wheel
+from mobility_imu.wheelchair.recovery import tied_rate
+from mobility_imu.wheelchair.turning import SpinFit, spin_fit, up_in_plane, yaw_rate_of_wheel
 from mobility_imu.wheelchair.uncertainty import AssumedErrors
 from mobility_imu.wheelchair.velocity import VelocitySettings
 
@@ -38,6 +40,7 @@ __all__ = ["Gain", "Witnesses", "axle_of", "gain_of", "lone_jumps", "steady_dire
 SPINNING_RADPS = 1.0
 """A wheel from here on shows its axle."""
 SHORTEST_SPINNING_S = 3.0
+"""In less time a wheel goes round too rarely for the chair's turn to cancel across its axle."""
 SLOW_TURN_RADPS = 0.3
 """Below it, the centripetal acceleration of a sensor beside the middle is under 0.03 m/s²."""
 LARGEST_PUSH_MPS2 = 1.0
@@ -45,9 +48,12 @@ LARGEST_PUSH_MPS2 = 1.0
 LEAST_TURNED_RAD = np.pi
 """Half a turn in all, to whichever side, is needed to judge the frame's yaw rate."""
 PIECE_S = 2.0
+"""Residuals of one piece depend on each other: a stroke lasts about a second."""
 MOST_FITS = 15
+"""What is left out settles after a few fits; this ends those that go back and forth."""
 ALIKE = 0.95
-"""Correlation of two speeds of one wheel's centre: the wheels roll, and no name is exchanged."""
+"""Correlation of two speeds of one wheel's centre: the wheels roll, and no name is exchanged. Set
+by hand on simulated courts that the study of faults does not use."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +120,7 @@ class Witnesses(Result):
     @cached_property
     def own_offsets(self) -> dict[str, GyroscopeOffset]:
         """Offsets by rests of the recording itself."""
-        return offsets_without(self.recording, self.names, self.failed)
+        return rest_offsets(self.recording, self.names, skip=self.failed)
 
     @cached_property
     def offsets(self) -> dict[str, GyroscopeOffset]:
@@ -262,11 +268,8 @@ def gain_of(first: FloatArray, second: FloatArray, rate_hz: float) -> Gain | Non
         before, used = used, apart <= max(3 * 1.48 * float(np.median(apart)), 0.02)
         if (used == before).all():
             break
-    residual = np.where(used, second - design @ found, 0.0)
-    piece = np.arange(0, len(first), max(1, round(PIECE_S * rate_hz)))
-    sums = np.add.reduceat(design * residual[:, None], piece, axis=0)
-    bread = np.linalg.pinv(design[used].T @ design[used])
-    covariance = bread @ (sums.T @ sums) @ bread
+    piece = pieces_of(len(first), PIECE_S, rate_hz)
+    found, covariance = fit_by_pieces(design[used], second[used], piece[used])
     sd = np.sqrt(np.diag(covariance))
     correlation = float(np.corrcoef(first[used], second[used])[0, 1])
     return Gain(float(found[0]), float(sd[0]), float(found[1]), float(sd[1]), correlation)
@@ -300,20 +303,11 @@ def axle_of(witnesses: Witnesses, side: Side) -> tuple[FloatArray, float] | None
         across = np.linalg.svd(axle[None, :])[2][1:]
         if np.linalg.det(np.vstack([across, axle])) < 0:
             across = across[::-1]
-        turn = np.exp(1j * np.cumsum(gyr @ axle) / rate)
-        up = (acc @ across.T) @ np.array([1, 1j]) * turn
-        width = max(1, round(rate))
-        up = ndimage.uniform_filter1d(up.real, width) + 1j * ndimage.uniform_filter1d(
-            up.imag, width
-        )
-        up = np.conj(turn) * up / np.maximum(np.abs(up), 1e-9)
-        rates = (gyr @ across.T) @ np.array([1, 1j])
-        upward = (rates * np.conj(up)).real
-        part = (upward * up)[:, None] * 1.0
-        rest = gyr - part.real * across[0] - part.imag * across[1]
+        up = up_in_plane(acc @ across.T, gyr @ axle, rate) @ across
+        rest = gyr - (gyr * up).sum(axis=1)[:, None] * up
         squares, directions = np.linalg.eigh(rest[fast].T @ rest[fast])
-    share = float(np.sqrt(max(squares[0] + squares[1], 0.0) / max(squares[2], 1e-12)))
-    return directions[:, -1], share
+    scatter = float(np.sqrt(max(squares[0] + squares[1], 0.0) / max(squares[2], 1e-12)))
+    return directions[:, -1], scatter
 
 
 def steady_direction(force: FloatArray) -> float:
@@ -360,7 +354,8 @@ def tilt_of(witnesses: Witnesses) -> tuple[FloatArray, float] | None:
 
 JUMP_TIMES, JUMP_TAIL = 10.0, 5.5
 """A lone reading counts that is so many times beyond what nine of ten readings around it do, and
-so many times beyond what two in a thousand of the whole recording do."""
+so many times beyond what two in a thousand of the whole recording do. Set by hand on simulated
+courts that the study of faults does not use, as are the two limits that follow."""
 LEAST_JUMP_RADPS = 0.02
 RAREST = 0.002
 LEAST_LEVER_M = 0.05

@@ -7,16 +7,16 @@ looks before it have mended it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect, settings_or_default
-from mobility_imu.errors import InputError
-from mobility_imu.faults import Fault, Repair, all_repaired, interpolated, with_costs
+from mobility_imu.faults import Fault, all_repaired, interpolated, with_costs
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine, fault_of
 from mobility_imu.offsets import GyroscopeOffset
@@ -26,10 +26,29 @@ from mobility_imu.wheelchair.contradictions import Witnesses, lone_jumps
 from mobility_imu.wheelchair.dead_axis import without_axis
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
-from mobility_imu.wheelchair.recovery import CHAIR, failed_gyroscopes, held_samples, replaced
+from mobility_imu.wheelchair.recovery import (
+    CHAIR,
+    failed_gyroscopes,
+    held_samples,
+    others_of,
+    recovery_warnings,
+    replaced,
+    unreplaced,
+    with_gyroscope,
+)
+from mobility_imu.wheelchair.saturation import saturated_gyroscopes, saturation_warnings
+from mobility_imu.wheelchair.slip import at_odds
 from mobility_imu.wheelchair.velocity import ChairVelocity, VelocitySettings, estimate_velocity
 
-__all__ = ["find_faults", "results", "sensor_faults", "valid_samples", "with_valid"]
+__all__ = [
+    "find_faults",
+    "not_told",
+    "ranges_told",
+    "results",
+    "sensor_faults",
+    "valid_samples",
+    "with_valid",
+]
 
 LEAST_COST = {"m/s": 1e-3, "deg/s": 1e-2, "m": 1e-3, "deg": 1e-2}
 """Smaller changes of a result are no cost: below the noise of any sensor."""
@@ -38,7 +57,8 @@ SHORTEST_S = 5.0
 SLOWEST_HZ = 10.0
 """A wheel at 4 m/s turns twice in a second: slower recordings do not show its turning."""
 MUTE_PART = 0.3
-"""A gyroscope that fails for more of the time is not used to judge others."""
+"""A gyroscope that fails for more of the time is not used to judge others. Set by hand on simulated
+courts that the study of faults does not use."""
 
 Look = Callable[[Witnesses], Iterator[Fault]]
 LOOKS: tuple[Look, ...] = (
@@ -80,12 +100,13 @@ def find_faults(
     -------
     tuple of Fault
         empty if nothing was found; costs are of ``speed`` (m/s), ``yaw rate`` (deg/s), ``distance``
-        (m, signed, from the start) and ``turn`` (deg, likewise)
+        (m, signed, from the start) and ``turn`` (deg, likewise). What a gyroscope costs that the
+        others replace throughout is not known: the estimate replaces it as the repair does.
 
     Raises
     ------
     InputError
-        If an argument is of another kind.
+        If an argument is of another kind, or a reading is larger than any sensor's.
     """
     settings = settings_or_default("settings", settings, VelocitySettings)
     found = sensor_faults(recording, geometry, mount, settings, offsets=offsets)
@@ -93,7 +114,12 @@ def find_faults(
     def estimate(one: Recording) -> dict[tuple[str, str], FloatArray]:
         return results(one, geometry, mount, settings, offsets)
 
-    return tuple(_without_trifles(fault) for fault in with_costs(found, recording, estimate))
+    one = _own(recording, geometry, mount, settings)
+    known = [replace(f, repair=None) if _is_replaced(one, f) else f for f in found]
+    return tuple(
+        _without_trifles(replace(priced, repair=fault.repair))
+        for priced, fault in zip(with_costs(known, recording, estimate), found, strict=True)
+    )
 
 
 def results(
@@ -146,39 +172,48 @@ def sensor_faults(
     expect("geometry", geometry, WheelchairGeometry)
     expect("mount", mount, WheelchairMount)
     settings = settings_or_default("settings", settings, VelocitySettings)
-    found = list(_of_one_sensor(recording, geometry, mount))
+    if recording.sampling_rate_hz < SLOWEST_HZ:
+        copies = (fault for fault in examine(recording) if fault.code == "copy")
+        return (*copies, _slow_clock(recording))
+    found = list(_of_one_sensor(recording, geometry, mount, settings))
     if any(fault.code == "copy" for fault in found):
         return tuple(found)
     if recording.time_s[-1] - recording.time_s[0] < SHORTEST_S:
         return tuple(found)
-    if recording.sampling_rate_hz < SLOWEST_HZ:
-        return (*found, _slow_clock(recording))
-    mended = all_repaired(found, recording)
-    failed = _failed(recording, geometry, mount)
-    mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
-    mute |= {f.sensor.split("_gyr")[0] for f in found if f.code == "dead axis"}
-    seen = partial(
-        Witnesses,
-        geometry=geometry,
-        mount=mount,
-        given=dict(offsets or {}),
-        failed=failed,
-        settings=settings,
-        mute=frozenset(mute),
-    )
-    witnesses = seen(mended)
+    witnesses = _witnesses(recording, found, geometry, mount, settings, dict(offsets or {}))
     if not witnesses.sides or "frame" not in witnesses.names:
         return tuple(found)
+    looked: list[Fault] = []
     for look in LOOKS:
-        try:
-            new = list(look(witnesses))
-        except InputError:
-            continue  # what the estimate refuses as well
-        found += new
-        if any(fault.repair is not None for fault in new):
-            mended = all_repaired(new, mended)
-            witnesses = seen(mended)
-    return tuple(found)
+        new = list(look(witnesses))
+        looked += new
+        mending = [fault for fault in new if fault.repair is not None]
+        if any(fault.code == "exchanged" for fault in mending):
+            # What each sensor shows by itself, and what replaces it, goes by the right names now.
+            named = all_repaired(looked, recording)
+            own = _of_one_sensor(named, geometry, mount, settings)
+            witnesses = _witnesses(named, own, geometry, mount, settings, witnesses.given)
+        elif mending:
+            mended = all_repaired(mending, witnesses.recording)
+            witnesses = replace(witnesses, recording=mended)
+    return (*found, *looked)
+
+
+def _witnesses(
+    recording: Recording,
+    own: Iterable[Fault],
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    settings: VelocitySettings,
+    given: Mapping[str, GyroscopeOffset],
+) -> Witnesses:
+    """Witnesses of a recording in which what each sensor shows by itself is mended."""
+    own, failed = list(own), _failed(recording, geometry, mount)
+    mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
+    mute |= {_parts(fault.sensor)[0] for fault in own if fault.code == "dead axis"}
+    return Witnesses(
+        all_repaired(own, recording), geometry, mount, given, failed, settings, frozenset(mute)
+    )
 
 
 def _slow_clock(recording: Recording) -> Fault:
@@ -186,8 +221,8 @@ def _slow_clock(recording: Recording) -> Fault:
     rate = recording.sampling_rate_hz
     return fault_of(
         recording, "clock", "time_s", whole,
-        f"gives a sampling rate of {rate:g} Hz, at which no wheel's turning is seen: times in s?",
-        size=rate, unit="Hz",
+        f"gives a sampling rate of {rate:g} Hz, at which no wheel's turning is seen; give the "
+        "times in seconds, or state --sampling-rate-hz", size=rate, unit="Hz",
     )  # fmt: skip
 
 
@@ -195,86 +230,170 @@ def _failed(
     recording: Recording, geometry: WheelchairGeometry, mount: WheelchairMount
 ) -> dict[str, NDArray[np.bool_]]:
     names = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
-    names = [name for name in names if name in ("frame", "left_wheel", "right_wheel")]
+    names = [name for name in names if name in CHAIR]
     return failed_gyroscopes(recording, names, mount, geometry)
 
 
+class _Own(NamedTuple):
+    """A recording whose sensors are looked at one by one, and where their gyroscopes fail."""
+
+    recording: Recording
+    geometry: WheelchairGeometry
+    mount: WheelchairMount
+    failed: Mapping[str, NDArray[np.bool_]]
+    lost: Mapping[str, NDArray[np.bool_]]
+    """Samples of failed gyroscopes that the estimate does not replace."""
+
+
+def _own(
+    recording: Recording,
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    settings: VelocitySettings,
+) -> _Own:
+    failed = _failed(recording, geometry, mount)
+    works = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
+    lost = unreplaced(failed, works) if settings.form == "corrected" else failed
+    return _Own(recording, geometry, mount, failed, lost)
+
+
+def _is_replaced(one: _Own, fault: Fault) -> bool:
+    """Whether the others replace a frozen gyroscope in all samples that it repeats."""
+    sensor, half = _parts(fault.sensor)
+    if fault.code != "frozen" or half == "acc" or sensor not in one.failed:
+        return False
+    return sensor not in one.lost or not (fault.flags & one.lost[sensor]).any()
+
+
 def _of_one_sensor(
-    recording: Recording, geometry: WheelchairGeometry, mount: WheelchairMount
+    recording: Recording,
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    settings: VelocitySettings,
 ) -> Iterator[Fault]:
     """What any recording shows; lone jumps; and better ways to undo what a gyroscope lost."""
-    failed = _failed(recording, geometry, mount)
-    told: set[tuple[str, str]] = set()
+    one = _own(recording, geometry, mount, settings)
+    failed, found = one.failed, list[Fault]()
     for fault in examine(recording):
         sensor, half = _parts(fault.sensor)
-        if half == "gyr" and fault.code == "frozen" and sensor in CHAIR and sensor not in failed:
-            continue  # exact readings of a steady motion
-        told.add((fault.code, sensor) if half == "gyr" else ("", ""))
-        if half == "gyr" and fault.code in ("frozen", "range"):
-            flags = fault.flags | (
-                failed.get(sensor, fault.flags) if fault.code == "frozen" else False
-            )
-            fault = replace(fault, repair=_by_others(sensor, flags, failed, geometry, mount, fault))
-        elif half == "gyr" and fault.code == "dead axis" and sensor in CHAIR:
-            axis = "xyz".index(fault.sensor[-1])
-            fault = replace(fault, repair=partial(
-                without_axis, sensor=sensor, axis=axis, geometry=geometry, mount=mount
-            ))  # fmt: skip
-        yield fault
+        if half != "gyr" or sensor not in CHAIR or fault.code not in REPLACED:
+            found.append(fault)
+        elif fault.code == "dead axis":
+            found.append(_dead(one, fault, sensor))
+        elif fault.code == "range":
+            found.append(_replaced(one, fault, sensor, fault.flags))
+        elif sensor in failed:  # other repetitions are exact readings of a steady motion
+            fault = _stand_in(one, fault, sensor)
+            found.append(_replaced(one, fault, sensor, fault.flags | failed[sensor]))
+    told = {(fault.code, *_parts(fault.sensor)): fault.flags for fault in found}
     for name, imu in recording.sensors.items():
         if imu.gyr_radps is None:
             continue
-        if ("frozen", name) not in told:
-            yield from _held(recording, name, failed, geometry, mount)
+        none = np.zeros(len(recording), np.bool_)
+        if ("frozen", name, "gyr") not in told and name in CHAIR:
+            found += _held(one, name, told.get(("range", name, "gyr"), none))
         far = lone_jumps(imu.gyr_radps, imu.acc_mps2, recording.sampling_rate_hz)
-        far &= ~failed.get(name, np.zeros_like(far))
-        if ("spike", name) not in told and far.any():
-            bridge = interpolated(recording, name, "gyr", far).gyroscope(name)
-            size = float(np.abs(imu.gyr_radps - bridge).max())
-            yield fault_of(
-                recording, "spike", f"{name}_gyr", far,
-                f"jumps for single samples (by {size:.2g} rad/s at most), far beyond what it "
-                "usually does; remove them", size=size, unit="rad/s",
-                repair=partial(interpolated, sensor=name, half="gyr", flags=far),
-            )  # fmt: skip
+        far &= ~failed.get(name, none)
+        if ("spike", name, "gyr") not in told and far.any():
+            found.append(_jumps(recording, name, imu.gyr_radps, far))
+    yield from _whole_sensors(one, found)
 
 
-def _held(
-    recording: Recording,
-    name: str,
-    failed: Mapping[str, NDArray[np.bool_]],
-    geometry: WheelchairGeometry,
-    mount: WheelchairMount,
-) -> Iterator[Fault]:
-    """A gyroscope that repeats its last reading for some samples only."""
-    held = held_samples(recording.gyroscope(name)) & failed.get(name, np.False_)
-    if held.any():
-        found = fault_of(
-            recording, "frozen", f"{name}_gyr", held, "repeats its last reading",
-            size=float(held.sum() / recording.sampling_rate_hz), unit="s",
-        )  # fmt: skip
-        yield replace(found, repair=_by_others(name, held, failed, geometry, mount, found))
+REPLACED = frozenset({"frozen", "range", "dead axis"})
+"""Codes of faults of a chair's gyroscope that the others undo better than its own readings."""
 
 
-def _by_others(
-    sensor: str,
-    flags: NDArray[np.bool_],
-    failed: Mapping[str, NDArray[np.bool_]],
-    geometry: WheelchairGeometry,
-    mount: WheelchairMount,
-    fault: Fault,
-) -> Repair:
-    """What puts the two other gyroscopes in the place of one that fails."""
-    return partial(
+def _dead(one: _Own, fault: Fault, sensor: str) -> Fault:
+    """A dead axis with its repair; on a wheel, it takes the frame's gyroscope."""
+    recording, mount = one.recording, one.mount
+    needed = ("frame",) if sensor == "frame" else ("frame", sensor)
+    mounted = {
+        "frame": True,
+        "left_wheel": mount.rotation_left_imu_to_wheel is not None,
+        "right_wheel": mount.rotation_right_imu_to_wheel is not None,
+    }
+    there = all(
+        mounted[n] and n in recording.sensors and recording.sensors[n].gyr_radps is not None
+        for n in needed
+    )
+    axis = "xyz".index(fault.sensor[-1])
+    repair = partial(without_axis, sensor=sensor, axis=axis, geometry=one.geometry, mount=mount)
+    return replace(fault, repair=repair if there else None)
+
+
+def _jumps(recording: Recording, name: str, gyr_radps: FloatArray, far: NDArray[np.bool_]) -> Fault:
+    bridge = interpolated(recording, name, "gyr", far).gyroscope(name)
+    size = float(np.abs(gyr_radps - bridge).max())
+    return fault_of(
+        recording, "spike", f"{name}_gyr", far,
+        f"jumps for single samples (by {size:.2g} rad/s at most), far beyond what it usually does; "
+        "remove them", size=size, unit="rad/s",
+        repair=partial(interpolated, sensor=name, half="gyr", flags=far),
+    )  # fmt: skip
+
+
+def _held(one: _Own, name: str, cut: NDArray[np.bool_]) -> list[Fault]:
+    """A gyroscope that repeats its last reading for some samples only; a cut range is another."""
+    held = held_samples(one.recording.gyroscope(name)) & one.failed.get(name, np.False_) & ~cut
+    if not held.any():
+        return []
+    found = fault_of(
+        one.recording, "frozen", f"{name}_gyr", held, "",
+        size=float(held.sum() / one.recording.sampling_rate_hz), unit="s",
+    )  # fmt: skip
+    return [_replaced(one, _stand_in(one, found, name), name, held)]
+
+
+def _stand_in(one: _Own, fault: Fault, sensor: str) -> Fault:
+    """A frozen sensor whose sentence says what the estimate does about it."""
+    back = fault.flags & one.failed[sensor] & ~one.lost.get(sensor, np.False_)
+    what = f"repeats its last reading; {others_of(sensor)} replace it there, where slip cannot be "
+    if not back.any():
+        what = "repeats its last reading; leave these times out, or record again"
+    elif back.all() or (back == fault.flags).all():
+        what += "seen"
+    else:
+        what += (
+            f"seen, but in {int((fault.flags & ~back).sum())} of these samples another one fails "
+            "as well; leave those out, or record again"
+        )
+    told = fault_of(one.recording, "frozen", fault.sensor, fault.flags, what)
+    return replace(fault, sentence=told.sentence)
+
+
+def _whole_sensors(one: _Own, found: Sequence[Fault]) -> Iterator[Fault]:
+    """Faults; a sensor both of whose halves repeat the same samples is told once."""
+    halves = {_parts(fault.sensor): fault for fault in found if fault.code == "frozen"}
+    for fault in found:
+        sensor, half = _parts(fault.sensor)
+        acc, gyr = halves.get((sensor, "acc")), halves.get((sensor, "gyr"))
+        whole = acc is not None and gyr is not None and (acc.flags == gyr.flags).all()
+        if fault.code != "frozen" or not whole or sensor not in CHAIR:
+            yield fault
+        elif half == "gyr":
+            assert acc is not None
+            repair = partial(_in_turn, faults=(acc, fault))
+            yield _stand_in(one, replace(fault, sensor=sensor, repair=repair), sensor)
+
+
+def _in_turn(recording: Recording, faults: Sequence[Fault]) -> Recording:
+    return all_repaired(faults, recording)
+
+
+def _replaced(one: _Own, fault: Fault, sensor: str, flags: NDArray[np.bool_]) -> Fault:
+    """Fault whose repair puts the two other gyroscopes in the place of one that fails."""
+    otherwise = fault.repair or partial(interpolated, sensor=sensor, half="gyr", flags=flags)
+    repair = partial(
         replaced,
         sensor=sensor,
         flags=flags,
-        others=dict(failed),
-        geometry=geometry,
-        mount=mount,
+        others=dict(one.failed),
+        geometry=one.geometry,
+        mount=one.mount,
         at_end=fault.code == "range",
-        otherwise=fault.repair or partial(interpolated, sensor=sensor, half="gyr", flags=flags),
+        otherwise=otherwise,
     )
+    return replace(fault, repair=repair)
 
 
 def _parts(sensor: str) -> tuple[str, str]:
@@ -300,11 +419,13 @@ SMALL = {"lag": 0.05, "scale": 0.03, "offset": 1.0, "mirrored": float("inf")}
 mirrored chair has the right speed; which way it turns is in question throughout."""
 
 
-def valid_samples(faults: tuple[Fault, ...], count: int) -> NDArray[np.bool_]:
+def valid_samples(faults: Iterable[Fault], count: int) -> NDArray[np.bool_]:
     """Where no fault, beyond small ones, touches a gyroscope that the result comes from.
 
-    A gyroscope that fails while the other two replace it counts as valid here;
-    :class:`~mobility_imu.wheelchair.velocity.ChairVelocity` has flags of its own for the rest.
+    A gyroscope that repeats its last reading while the other two replace it counts as valid here:
+    :class:`~mobility_imu.wheelchair.velocity.ChairVelocity` has flags of its own for where nothing
+    replaces it. Samples at the end of a range are not valid, whatever the range: the estimate
+    knows only ranges that are sold, and uses the readings of any other one as they are.
 
     Parameters
     ----------
@@ -319,7 +440,7 @@ def valid_samples(faults: tuple[Fault, ...], count: int) -> NDArray[np.bool_]:
     for fault in faults:
         _, half = _parts(fault.sensor)
         small = fault.code in SMALL and not fault.size > SMALL[fault.code]
-        if half != "acc" and fault.code not in ("frozen", "range") and not small:
+        if half != "acc" and fault.code != "frozen" and not small:
             valid &= ~fault.flags
     return valid
 
@@ -338,3 +459,82 @@ def with_valid(drive: ChairVelocity, faults: tuple[Fault, ...]) -> ChairVelocity
     """
     assert drive.valid is not None
     return replace(drive, valid=drive.valid & valid_samples(faults, len(drive)))
+
+
+EXPLAINS = frozenset(
+    {
+        *("at odds", "dead axis", "exchanged", "lag", "mirrored", "offset", "range", "reversed"),
+        *("scale", "turned"),
+    }
+)
+"""Codes of faults for which wheels and frame may disagree throughout. Where they still do once the
+others are mended, the look :func:`~mobility_imu.wheelchair.frame_faults.at_odds` tells it."""
+
+
+def ranges_told(recording: Recording, faults: Iterable[Fault]) -> set[str]:
+    """Warnings of gyroscopes at the end of their range that faults say already.
+
+    Parameters
+    ----------
+    recording : Recording that an estimate or a calibration used
+    faults : Fault, of the same recording as it came
+
+    Returns
+    -------
+    set of str
+    """
+    told = _gyroscopes_with("range", faults)
+    cut = saturated_gyroscopes(recording, with_gyroscope(recording, CHAIR))
+    return set(saturation_warnings(recording, {n: f for n, f in cut.items() if n in told}))
+
+
+def _gyroscopes_with(code: str, faults: Iterable[Fault]) -> set[str]:
+    """Sensors whose gyroscope has a fault of this kind."""
+    parts = [_parts(fault.sensor) for fault in faults if fault.code == code]
+    return {sensor for sensor, half in parts if half != "acc"}
+
+
+def not_told(
+    drive: ChairVelocity,
+    recording: Recording,
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    faults: Iterable[Fault],
+) -> list[str]:
+    """Warnings of an estimate that no fault says already.
+
+    A warning of a gyroscope at the end of its range, or replaced by the others, is left out where
+    such a fault of that sensor is told; that wheels and frame disagree, where a fault explains it.
+
+    Parameters
+    ----------
+    drive : ChairVelocity
+    recording, geometry, mount : that it was estimated from
+    faults : Fault, of the same drive
+
+    Returns
+    -------
+    list of str
+    """
+    faults = tuple(faults)
+    names = with_gyroscope(recording, CHAIR)
+    failed = failed_gyroscopes(recording, names, mount, geometry)
+    frozen = _gyroscopes_with("frozen", faults)
+    known = ranges_told(recording, faults) | set(
+        recovery_warnings(
+            recording,
+            {name: flags for name, flags in failed.items() if name in frozen},
+            unreplaced(failed, names),
+        )
+    )
+    if any(fault.code in EXPLAINS for fault in faults):
+        known |= set(
+            at_odds(
+                drive.slip,
+                drive.wheel_yaw_rate_radps,
+                drive.yaw_rate_radps,
+                drive.settings.slip,
+                recording.source,
+            )
+        )
+    return [sentence for sentence in drive.warnings if sentence not in known]

@@ -22,8 +22,8 @@ from mobility_imu.wheelchair.contradictions import (
 )
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.recovery import replaced
+from mobility_imu.wheelchair.slip import CHECK_SENSORS, detect_slip
 from mobility_imu.wheelchair.slip import at_odds as disagreement
-from mobility_imu.wheelchair.slip import detect_slip
 from mobility_imu.wheelchair.wheel_faults import (
     LEAST_OFFSET_RADPS,
     SURE,
@@ -36,6 +36,7 @@ __all__ = ["at_odds", "other_signs", "taken_for_a_wheel", "tilted", "wrong_scale
 STEADY, GOES_ROUND = 0.9, 0.7
 """Gravity stays in the frame's axes to 0.96 on real drives, and goes round in a wheel's."""
 SPINNING_RADPS = 1.0
+"""A frame that turns faster than this for a second in all may be a wheel; chairs turn so, too."""
 LARGEST_TILT_RAD = float(np.deg2rad(6.0))
 """Ramps rise by 1 in 12 at most (4.8 deg, ISO 21542); no drive leans by more on average."""
 SIGN = 0.2
@@ -43,10 +44,12 @@ SIGN = 0.2
 LEAST_SCALE = 0.015
 """Scale factors of a calibrated sensor (0.3 to 0.5 %) to three standard deviations."""
 FITS = 0.015
+"""What the right signs may leave of the gain: as much as a scale error that is not told."""
 LEAST_FLIP = 0.2
 """Smaller changes of the gain are scale errors rather than a wrong sign of an axis."""
 ALIKE, APART = 0.95, 0.8
-"""Correlations of yaw rates that agree, and of such that do not."""
+"""Correlations of yaw rates that agree, and of such that do not. Like :data:`SIGN` and
+:data:`LEAST_FLIP`, set by hand on simulated courts that the study of faults does not use."""
 
 
 def taken_for_a_wheel(w: Witnesses) -> Iterator[Fault]:
@@ -217,7 +220,7 @@ def wrong_scale_or_offset(w: Witnesses) -> Iterator[Fault]:
     offset, offset_sd = gain.constant_radps, gain.constant_sd_radps
     if "frame" not in w.own_offsets and abs(offset) > max(LEAST_OFFSET_RADPS, SURE * offset_sd):
         up = w.mount.rotation_frame_imu_to_chair[2]
-        yield offset_fault(w.recording, "frame", offset * up, offset_sd, "both wheels")
+        yield offset_fault(w.recording, "frame", up, offset, offset_sd, "both wheels")
 
 
 def _against_wheels(w: Witnesses) -> Gain | None:
@@ -252,8 +255,8 @@ def _scale(w: Witnesses, by_gravity: Gain) -> tuple[float, float]:
     other = None if speeds is None else gain_of(w.yaw["frame"], speeds, w.rate_hz)
     if other is not None and other.correlation > ALIKE:
         track = errors.track_sd_m / w.geometry.wheel_centre_distance_m
-        apart, own = abs(1 / other.gain - by_gravity.gain), abs(1 / other.gain - 1)
-        if apart > max(own, 3 * np.hypot(track, errors.radius_sd)):
+        apart = abs(1 / other.gain - by_gravity.gain) / by_gravity.gain
+        if apart > 3 * np.hypot(track, errors.radius_sd):
             return 0.0, sd  # camber or track is wrong, which is another question
     return error, sd
 
@@ -301,6 +304,11 @@ def at_odds(w: Witnesses) -> Iterator[Fault]:
         )
     elif own > ALIKE and other < APART:
         sentence += "; each wheel's own gravity speaks for the frame, so a wheel's spin is wrong"
+    elif own > ALIKE and other > ALIKE:
+        sentence = sentence.removesuffix(CHECK_SENSORS) + (
+            "all go together but for a factor; are track, radii and camber right? Run "
+            "`mobility-imu wheelchair check`"
+        )
     else:
         sentence += "; what the result is wrong by is not known"
     first = float(w.recording.time_s[int(np.argmax(slip))])

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from scipy import fft
 
 from mobility_imu.frames import FloatArray, as_number, as_series
+from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 
 __all__ = ["Lag", "lag_between"]
 
@@ -19,6 +20,8 @@ LEAST_CORRELATION = 0.8
 """Series that go together less well, whatever the lag, do not see the same movement."""
 MOST_STEPS = 5
 """Whole samples are corrected by the fit so often at most."""
+LEAST_CHANGE = 1e-9
+"""Series that change by less, in rad/s or m/s, stand still: what is left is rounding."""
 PIECE_S = 2.0
 """Residuals within such a piece depend on each other."""
 
@@ -78,12 +81,9 @@ def lag_between(first: ArrayLike, second: ArrayLike, sampling_rate_hz: float) ->
         if not more or abs(best + more) > reach:
             break
         best += more
-    residual = late - design @ found
-    scores = design * residual[:, None]
-    edges = np.arange(0, len(early), max(1, round(PIECE_S * rate)))
-    sums = np.add.reduceat(scores, edges, axis=0)
-    bread = np.linalg.pinv(design.T @ design)
-    covariance = bread @ (sums.T @ sums) @ bread
+    if min(np.ptp(early), np.ptp(late)) < LEAST_CHANGE:
+        return None
+    _, covariance = fit_by_pieces(design, late, pieces_of(len(early), PIECE_S, rate))
     correlation = float(np.corrcoef(early, late)[0, 1])
     if not correlation > LEAST_CORRELATION or abs(rest) * rate > 1:
         return None

@@ -6,28 +6,24 @@ r_R Om_R - r_L Om_L = d_c * yaw, as long as no wheel slips: any two of the three
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
 from mobility_imu.faults import Repair, with_half
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import LARGEST_OFFSET_RADPS, FloatArray
 from mobility_imu.health import frozen_gyroscope
 from mobility_imu.offsets import (
-    LARGEST_OFFSET_RADPS,
-    SHORTEST_REST_S,
     UNKNOWN_OFFSET_SD_RADPS,
     GyroscopeOffset,
-    gyroscope_offset,
-    rest_flags,
     rest_offsets,
     without_offsets,
 )
-from mobility_imu.quality import resolution_of
+from mobility_imu.quality import resolution_of, same_as_before
 from mobility_imu.recording import Recording
-from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.runs import runs_of
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
 from mobility_imu.wheelchair.saturation import saturated_gyroscopes, usable_samples
@@ -43,12 +39,13 @@ from mobility_imu.wheelchair.uncertainty import (
 __all__ = [
     "failed_gyroscopes",
     "held_samples",
-    "offsets_without",
+    "others_of",
     "recovered",
     "recovery_warnings",
     "replaced",
     "tied_rate",
     "unknown_where",
+    "unreplaced",
     "wheel_forces",
     "with_gyroscope",
     "with_recovered_sd",
@@ -59,12 +56,17 @@ CHAIR = ("frame", "left_wheel", "right_wheel")
 FEWEST_AT_END = 3
 """Samples at the end of a range; fewer are a peak that happens to be as high."""
 LEAST_TURNED_RAD, LEAST_CORRELATION = np.pi / 2, 0.98
-"""Turn of the chair, and agreement, by which the wheels' own yaw rate shows that it can be used."""
+"""Turn of the chair, and agreement, by which the wheels' own yaw rate shows that it can be used.
+Set by hand, like the limits without a reason below, on simulated courts that the study of faults
+does not use."""
 SHORTEST_HELD = 4
+"""Fewer equal readings in a row are not looked at."""
 LARGEST_CHANCE, LEAST_CHANCE = 1e-4, 0.02
 """Of a repetition in a recording by noise alone; three axes repeat together at least so often."""
 FEWEST_CHANGES = 50
+"""Of fewer changes a correlation says little."""
 QUIETEST = 0.2
+"""Part of the changes, the smallest, that noise makes rather than motion."""
 LEAST_CHANGE_RADPS = 1e-5
 """A tenth of the finest steps that are sold; smaller changes are those of a computer's numbers."""
 BACK_AND_FORTH = -0.1
@@ -132,7 +134,7 @@ def held_samples(gyr_radps: FloatArray) -> Flags:
     (n,) bool array; none of exact readings, which repeat themselves in steady motion
     """
     held = np.zeros(len(gyr_radps), np.bool_)
-    same = np.r_[False, (np.diff(gyr_radps, axis=0) == 0).all(axis=1)]
+    same = same_as_before(gyr_radps)
     runs = [run for run in runs_of(same) if run.stop - run.start >= SHORTEST_HELD - 1]
     if not runs:
         return held
@@ -225,6 +227,25 @@ def tied_rate(
     return np.asarray((left * rates["left_wheel"] + distance * rates["frame"]) / right)
 
 
+def unreplaced(failed: Mapping[str, Flags], sensors: Collection[str]) -> dict[str, Flags]:
+    """Where nothing replaces a gyroscope that fails: another one fails as well, or is missing.
+
+    Parameters
+    ----------
+    failed : from :func:`failed_gyroscopes`
+    sensors : names of those that there are
+
+    Returns
+    -------
+    dict from sensor to (n,) bool array; without the sensors that are replaced throughout
+    """
+    if any(name not in sensors for name in CHAIR):
+        return dict(failed)
+    together = sum(flags.astype(int) for flags in failed.values())
+    lost = {name: flags & (together > 1) for name, flags in failed.items()}
+    return {name: flags for name, flags in lost.items() if flags.any()}
+
+
 def recovered(
     rates: Mapping[str, FloatArray],
     forces: Mapping[str, FloatArray],
@@ -254,8 +275,9 @@ def recovered(
     new = dict(rates)
     if not failed:
         return new, {}
+    lost = unreplaced(failed, rates)
     if any(name not in rates for name in CHAIR):
-        return new, dict(failed)
+        return new, lost
     along = {name: rate[:, 2] for name, rate in rates.items()}
     others = {name: tied_rate(along, name, geometry) for name in failed}
     if "frame" in failed:
@@ -264,16 +286,12 @@ def recovered(
         gain = _gain_while_it_works(own[works], along["frame"][works], sampling_rate_hz)
         if gain is not None:
             others["frame"] = gain * own
-    together = sum(flags.astype(int) for flags in failed.values())
-    lost = {}
     for name, flags in failed.items():
-        alone = flags & (together == 1)
+        alone = flags & ~lost[name] if name in lost else flags
         values = np.array(rates[name])
         values[alone] = 0.0
         values[alone, 2] = others[name][alone]
         new[name] = values
-        if (flags & ~alone).any():
-            lost[name] = flags & ~alone
     return new, lost
 
 
@@ -304,6 +322,21 @@ def _gain_while_it_works(
     return together / power
 
 
+def others_of(sensor: str) -> str:
+    """Names of the chair's two other sensors, for a sentence.
+
+    Parameters
+    ----------
+    sensor : "frame", "left_wheel" or "right_wheel"
+
+    Examples
+    --------
+    >>> others_of("frame")
+    'left_wheel and right_wheel'
+    """
+    return " and ".join(other for other in CHAIR if other != sensor)
+
+
 def recovery_warnings(
     recording: Recording, failed: Mapping[str, Flags], lost: Mapping[str, Flags]
 ) -> tuple[str, ...]:
@@ -324,45 +357,11 @@ def recovery_warnings(
         gone = lost.get(name, np.zeros_like(flags))
         back = flags & ~gone
         if back.any():
-            others = " and ".join(other for other in CHAIR if other != name)
             sentences.append(
                 f"{recording.source}: the gyroscope of {name} fails for {back.sum() / rate:.2f} s; "
-                f"{others} replace it there, where slip cannot be seen"
+                f"{others_of(name)} replace it there, where slip cannot be seen"
             )
     return tuple(sentences)
-
-
-def offsets_without(
-    recording: Recording, sensors: Sequence[str], failed: Mapping[str, Flags]
-) -> dict[str, GyroscopeOffset]:
-    """Offsets at rest; samples in which a gyroscope fails do not count for it.
-
-    Parameters
-    ----------
-    recording : Recording
-    sensors : names
-    failed : from :func:`failed_gyroscopes`
-
-    Returns
-    -------
-    dict from sensor to GyroscopeOffset, as of :func:`~mobility_imu.offsets.rest_offsets`
-    """
-    frozen = {name: flags for name, flags in failed.items() if name in sensors}
-    if not frozen:
-        return rest_offsets(recording, sensors)
-    rate, rest = recording.sampling_rate_hz, np.ones(len(recording), np.bool_)
-    for name in sensors:
-        still = rest_flags(recording.sensor(name).acc_mps2, recording.gyroscope(name), rate)
-        rest &= still | frozen.get(name, np.zeros_like(still))
-    works = ~np.all([frozen.get(name, np.zeros_like(rest)) for name in sensors], axis=0)
-    rest = long_runs(rest & works, max(1, round(SHORTEST_REST_S * rate)), grow=False)
-    found = {}
-    for name in sensors:
-        own = rest & ~frozen.get(name, np.zeros_like(rest))
-        offset = gyroscope_offset(recording.gyroscope(name), own, rate)
-        if offset is not None:
-            found[name] = offset
-    return found
 
 
 def with_recovered_sd(
@@ -460,7 +459,7 @@ def replaced(
     names = with_gyroscope(recording, CHAIR)
     if len(_along(recording, names, mount)) < len(CHAIR):
         return mended
-    offsets = offsets_without(recording, names, {**others, sensor: flags})
+    offsets = rest_offsets(recording, names, skip={**others, sensor: flags})
     calm = without_offsets(recording, offsets)
     turn = {
         "frame": mount.rotation_frame_imu_to_chair,

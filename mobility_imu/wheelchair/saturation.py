@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from mobility_imu.quality import saturated_samples
+from mobility_imu.quality import same_as_before, saturated_samples
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
 
@@ -46,7 +46,7 @@ def saturated_gyroscopes(
     found = {}
     for name in sensors:
         gyr = recording.gyroscope(name)
-        changes = np.r_[True, (np.diff(gyr, axis=0) != 0).any(axis=1)]
+        changes = ~same_as_before(gyr)
         size = np.rad2deg(np.abs(gyr).max(axis=1, initial=0.0))
         apart = np.abs(size[:, None] / np.array(RANGES_DEGPS) - 1).min(axis=1)
         flags = saturated_samples(gyr, run=run) & (apart < RANGE_TOLERANCE) & changes

@@ -233,6 +233,13 @@ class SlipWindows(Result):
         return flags
 
 
+CHECK_SENSORS = (
+    "is a sensor dead, late, exchanged or turned? Check each sensor's name and place, and record "
+    "again"
+)
+"""What :func:`at_odds` asks."""
+
+
 def at_odds(
     slip: ArrayLike,
     wheel_yaw_rate_radps: ArrayLike,
@@ -261,7 +268,7 @@ def at_odds(
         return ()
     return (
         f"{source}: wheels and frame disagree in {100 * part:.0f} % of the time in which one of "
-        "them turns; no wheel slips so long: is a sensor dead, late, exchanged or turned?",
+        f"them turns; no wheel slips so long: {CHECK_SENSORS}",
     )
 
 

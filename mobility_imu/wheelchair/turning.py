@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
+from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray, as_number, as_series, as_vectors
+from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 
-__all__ = ["SpinFit", "spin_fit", "upward_angle", "without_arm", "yaw_rate_of_wheel"]
+__all__ = ["SpinFit", "spin_fit", "up_in_plane", "upward_angle", "without_arm", "yaw_rate_of_wheel"]
 
 STEADY_S = 0.1
 """Accelerations are averaged over this: a wheel at 4 m/s turns by a fifth of a turn in it."""
@@ -112,6 +114,28 @@ def upward_angle(acc_wheel_mps2: ArrayLike, sampling_rate_hz: float) -> FloatArr
     return np.unwrap(np.arctan2(in_plane[:, 1], in_plane[:, 0]))
 
 
+def up_in_plane(acc_mps2: FloatArray, spin_radps: FloatArray, rate_hz: float) -> FloatArray:
+    """Up in a wheel's plane, seen by the accelerometer and averaged.
+
+    The gyroscope's spin turns the accelerations back before they are averaged, so that up stands
+    still in them, and turns their mean forth again.
+
+    Parameters
+    ----------
+    acc_mps2 : (n, 2) array, m/s², along two axes across the axle
+    spin_radps : (n,) array, rad/s, about the axle, from the first of these axes to the second
+    rate_hz : Hz
+
+    Returns
+    -------
+    (n, 2) array of unit vectors
+    """
+    turn = np.exp(1j * np.cumsum(spin_radps) / rate_hz)
+    up = _averaged((acc_mps2[:, 0] + 1j * acc_mps2[:, 1]) * turn, max(1, round(TIED_S * rate_hz)))
+    up = np.conj(turn) * up / np.maximum(np.abs(up), 1e-9)
+    return np.column_stack([up.real, up.imag])
+
+
 def without_arm(
     acc_wheel_mps2: ArrayLike, spin_radps: ArrayLike, sampling_rate_hz: float
 ) -> FloatArray:
@@ -192,8 +216,8 @@ def spin_fit(
     design = np.column_stack([turned, time_s - time_s.mean(), np.ones(len(acc))])
     if np.ptp(turned) < LEAST_TURNED_RAD:
         return None
-    piece = np.arange(len(acc)) // max(1, round(PIECE_S * rate))
-    found, covariance, scatter = _fit(design, left, piece)
+    found, covariance = fit_by_pieces(design, left, pieces_of(len(acc), PIECE_S, rate))
+    scatter = rms(left - design @ found)
     if not scatter < LARGEST_SCATTER_RAD or not abs(found[0]) > LEAST_FACTOR:
         return None
     return SpinFit(
@@ -233,21 +257,6 @@ def _first_guess(
     return float(gain), float(offset)
 
 
-def _fit(
-    design: FloatArray, target: FloatArray, piece: NDArray[np.int64]
-) -> tuple[FloatArray, FloatArray, float]:
-    """Least squares, its covariance from whole pieces, and the scatter."""
-    found = np.asarray(np.linalg.lstsq(design, target, rcond=None)[0], float)
-    residual = target - design @ found
-    scores = design * residual[:, None]
-    starts = np.nonzero(np.diff(piece, prepend=piece[0] - 1))[0]
-    sums = np.add.reduceat(scores, starts, axis=0)
-    bread = np.linalg.pinv(design.T @ design)
-    many = max(len(starts) - design.shape[1], 1)
-    covariance = bread @ (sums.T @ sums) @ bread * len(starts) / many
-    return found, covariance, float(np.sqrt(np.mean(residual**2)))
-
-
 def yaw_rate_of_wheel(
     gyr_wheel_radps: ArrayLike,
     acc_wheel_mps2: ArrayLike,
@@ -273,10 +282,6 @@ def yaw_rate_of_wheel(
     acc = as_vectors(acc_wheel_mps2, "acc_wheel_mps2", length=len(gyr))
     rate = as_number(sampling_rate_hz, "sampling_rate_hz")
     acc = without_arm(acc, gyr[:, 2], rate)
-    turned = np.cumsum(gyr[:, 2]) / rate
-    in_plane = (acc[:, 0] + 1j * acc[:, 1]) * np.exp(1j * turned)
-    up = _averaged(in_plane, max(1, round(TIED_S * rate))) * np.exp(-1j * turned)
-    size = np.maximum(np.abs(up), 1e-9)
-    across = gyr[:, 0] + 1j * gyr[:, 1]
-    upward = (across * np.conj(up)).real / size
+    up = up_in_plane(acc[:, :2], gyr[:, 2], rate)
+    upward = (gyr[:, :2] * up).sum(axis=1)
     return np.asarray(upward / np.cos(as_number(camber_rad, "camber_rad", negative=True)))

@@ -21,6 +21,7 @@ from mobility_imu.offsets import (
     GyroscopeOffset,
     merge_offsets,
     offset_warnings,
+    rest_offsets,
     without_offsets,
 )
 from mobility_imu.recording import Recording
@@ -36,7 +37,6 @@ from mobility_imu.wheelchair.geometry import (
 from mobility_imu.wheelchair.mount import WheelchairMount
 from mobility_imu.wheelchair.recovery import (
     failed_gyroscopes,
-    offsets_without,
     recovered,
     recovery_warnings,
     unknown_where,
@@ -53,6 +53,7 @@ from mobility_imu.wheelchair.series import alike
 from mobility_imu.wheelchair.slip import (
     SlipMethod,
     SlipSettings,
+    at_odds,
     correct_slip,
     detect_slip,
     wheel_speeds,
@@ -450,7 +451,7 @@ def _one_recording(
     if settings.form == "printed" or not settings.take_off_offsets:
         offsets = {}
     else:
-        found = merge_offsets(offsets_without(recording, names, failed), offsets)
+        found = merge_offsets(rest_offsets(recording, names, skip=failed), offsets)
         offsets = {name: found[name] for name in names if name in found}
         warnings = (*offset_warnings(recording, offsets, names), *warnings)
         recording = without_offsets(recording, offsets)
@@ -466,6 +467,8 @@ def _one_recording(
         recording, geometry, mount, rates, settings, usable_samples(len(recording), failed)
     )
     yaw_rate = rates["frame"][:, 2]
+    if both and settings.form == "corrected":
+        warnings += at_odds(slip, wheel_yaw, yaw_rate, settings.slip, source.source)
     sd = speed_uncertainty(
         rates,
         wheel_yaw - yaw_rate if both else None,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from itertools import product
 
@@ -22,8 +22,9 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
 from mobility_imu.wheelchair.contradictions import Witnesses, axle_of
-from mobility_imu.wheelchair.geometry import Side
-from mobility_imu.wheelchair.lags import lag_between
+from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
+from mobility_imu.wheelchair.geometry import SIDES, Side
+from mobility_imu.wheelchair.lags import Lag, lag_between
 from mobility_imu.wheelchair.recovery import tied_rate
 from mobility_imu.wheelchair.turning import yaw_rate_of_wheel
 
@@ -33,14 +34,20 @@ LARGEST_AXLE_RAD = float(np.deg2rad(2.0))
 """Axle of a drive against that of the straight-line trial: real drives stay below 1.5 deg."""
 AXLE_SCATTERS = 1.5
 """Times what is left across the axle: in two or three turns of a wheel the chair's own turn, which
-goes round with the wheel, does not cancel."""
+goes round with the wheel, does not cancel. Set by hand on simulated courts that the study of faults
+does not use."""
+MOSTLY_ACROSS = 0.2
+"""A sensor that turns across its axle by more of what it turns in all shows no axle; set as above.
+"""
 LEAST_LAG_SAMPLES = 0.8
 """A sensor's rows stand for some time within one sample: up to one lies between two sensors."""
 LEAST_LAG_SD_S = 0.001
 """Standard deviation of a lag at least: vibration is no movement of the whole chair."""
 SURE_SIGN = 0.5
+"""A factor beyond it, with the wrong sign, is no scale error: no gyroscope reads so little."""
 GO_TOGETHER, APART = 0.95, 0.9
-"""Correlations of yaw rates that surely are of one motion, and of such that are not."""
+"""Correlations of yaw rates that surely are of one motion, and of such that are not. Set by hand on
+simulated courts that the study of faults does not use."""
 SURE = 4.0
 """Standard deviations from which on a difference is told; by chance once in 10,000 times."""
 LEAST_SCALE = 0.0125
@@ -55,8 +62,9 @@ FACTORY_SCALE_SD = 0.01
 LEAST_CLOCK, CLOCK_SDS = 0.03, 3.0
 """Scale that no gyroscope has (MPU-6050: 3 %), and how near two have to be to be one clock's."""
 LARGEST_CONDITION = 50.0
-"""Beyond it, turn, speed and constant cannot be told apart."""
+"""Beyond it, turn, speed and constant cannot be told apart: errors may grow so many times."""
 PIECE_S = 2.0
+"""Residuals of one piece depend on each other: a stroke lasts about a second."""
 
 
 def other_axles(w: Witnesses) -> Iterator[Fault]:
@@ -72,7 +80,7 @@ def other_axles(w: Witnesses) -> Iterator[Fault]:
     """
     seen = {side: axle_of(w, side) for side in w.sides}
     known = {side: w.mount.rotation_imu_to_wheel(side)[2] for side in w.sides}
-    axles = {side: found[0] for side, found in seen.items() if found and found[1] < 0.2}
+    axles = {side: found[0] for side, found in seen.items() if found and found[1] < MOSTLY_ACROSS}
     apart = {side: _between(axle, known[side]) for side, axle in axles.items()}
     least = {
         side: max(LARGEST_AXLE_RAD, AXLE_SCATTERS * found[1])
@@ -86,9 +94,16 @@ def other_axles(w: Witnesses) -> Iterator[Fault]:
         if max(apart.values()) > max(least.values()) and crossed < max(least.values()):
             yield _exchanged(w.recording, in_trial=True)
             return
+    both = all(f"{side}_wheel" in w.names for side in SIDES)
     for side, angle in apart.items():
         if angle <= least[side]:
             continue
+        if len(axles) == 1 and both:
+            # The other wheel's gyroscope fails, or turns too little: its axle is still known.
+            other: Side = "right" if side == "left" else "left"
+            if _between(axles[side], w.mount.rotation_imu_to_wheel(other)[2]) < least[side]:
+                yield _exchanged(w.recording, in_trial=True)
+                return
         name = f"{side}_wheel"
         axle = axles[side] * _way_round(w, side, axles[side], known[side])
         angle = float(np.arccos(np.clip(axle @ known[side], -1.0, 1.0)))
@@ -224,13 +239,8 @@ def late(w: Witnesses) -> Iterator[Fault]:
     lags = w.lags()
     if not lags:
         return
-    names = list(dict.fromkeys(name for pair in lags for name in pair))
-    first = names[0]
-    times = {first: 0.0}
-    sds = {first: LEAST_LAG_SD_S}
-    for (one, other), lag in lags.items():
-        if one == first and other not in times:
-            times[other], sds[other] = lag.lag_s, float(np.hypot(lag.sd_s, LEAST_LAG_SD_S))
+    first = next(iter(lags))[0]
+    times, sds = _times_after(first, lags)
     least = LEAST_LAG_SAMPLES / w.rate_hz
     if len(times) == 3:
         middle = float(np.median(list(times.values())))
@@ -251,6 +261,24 @@ def late(w: Witnesses) -> Iterator[Fault]:
             f"{way} {abs(lag_s):.3f} ± {spread:.3f} s against {behind}; put the sensors on one "
             "clock", size=abs(lag_s), unit="s", repair=partial(shifted, sensor=name, lag_s=lag_s),
         )  # fmt: skip
+
+
+def _times_after(
+    first: str, lags: Mapping[tuple[str, str], Lag]
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Lag of each sensor after a first one and its standard deviation, over others if need be."""
+    times, sds = {first: 0.0}, {first: LEAST_LAG_SD_S}
+    waiting = [first]
+    while waiting:
+        at = waiting.pop(0)
+        for (one, other), lag in lags.items():
+            for here, there, lag_s in ((one, other, lag.lag_s), (other, one, -lag.lag_s)):
+                if here == at and there not in times:
+                    times[there] = times[at] + lag_s
+                    beside = LEAST_LAG_SD_S if at == first else sds[at]
+                    sds[there] = float(np.hypot(lag.sd_s, beside))
+                    waiting.append(there)
+    return times, sds
 
 
 def wrong_scales(w: Witnesses) -> Iterator[Fault]:
@@ -361,9 +389,9 @@ def wrong_offsets(w: Witnesses) -> Iterator[Fault]:
             expected = by_side[side] if blamed == side else 0.0
             misfit[blamed] += ((offset - expected) / offset_sd) ** 2
     side = min(misfit, key=lambda one: misfit[one])
-    axle = w.mount.rotation_imu_to_wheel(side)[2]
-    sd_radps = sd / radius.of(side)
-    yield offset_fault(w.recording, f"{side}_wheel", by_side[side] * axle, sd_radps, "the others")
+    axle, sd_radps = w.mount.rotation_imu_to_wheel(side)[2], sd / radius.of(side)
+    name = f"{side}_wheel"
+    yield offset_fault(w.recording, name, axle, by_side[side], sd_radps, "the others")
 
 
 def _apart(w: Witnesses) -> tuple[float, float] | None:
@@ -384,37 +412,41 @@ def _apart(w: Witnesses) -> tuple[float, float] | None:
         found = np.linalg.lstsq(design[used], target[used], rcond=None)[0]
         misfit = np.abs(target - design @ found)
         used = misfit <= max(4 * 1.48 * float(np.median(misfit)), 0.01)
-    residual = np.where(used, target - design @ found, 0.0)
-    edges = np.arange(0, len(target), max(1, round(PIECE_S * w.rate_hz)))
-    sums = np.add.reduceat(design * residual[:, None], edges, axis=0)
-    bread = np.linalg.pinv(design[used].T @ design[used])
-    sd = float(np.sqrt((bread @ (sums.T @ sums) @ bread)[2, 2]))
-    return float(found[2]), sd
+    piece = pieces_of(len(target), PIECE_S, w.rate_hz)
+    found, covariance = fit_by_pieces(design[used], target[used], piece[used])
+    return float(found[2]), float(np.sqrt(covariance[2, 2]))
 
 
 def offset_fault(
-    recording: Recording, name: str, offset_radps: FloatArray, sd_radps: float, by: str
+    recording: Recording,
+    name: str,
+    axis: FloatArray,
+    offset_radps: float,
+    sd_radps: float,
+    by: str,
 ) -> Fault:
-    """Fault of a gyroscope that reads a constant too much although no rest shows it.
+    """Fault of a gyroscope that reads a constant too much or too little; no rest shows it.
 
     Parameters
     ----------
     recording : Recording
     name : sensor
-    offset_radps : (3,) array, rad/s, in the sensor's axes
-    sd_radps : rad/s, along the offset
+    axis : (3,) unit array, in the sensor's axes: a wheel's axle, positive forward, or up
+    offset_radps, sd_radps : rad/s, along the axis, and its standard deviation
     by : what shows it
 
     Returns
     -------
     Fault
     """
-    size = float(np.rad2deg(np.linalg.norm(offset_radps)))
+    size = float(np.rad2deg(abs(offset_radps)))
+    way = "too much" if offset_radps > 0 else "too little"
+    about = "upward (turns to the left)" if name == "frame" else "forward about its axle"
     return fault_of(
         recording, "offset", f"{name}_gyr", np.ones(len(recording), np.bool_),
-        f"reads {size:.2f} ± {np.rad2deg(sd_radps):.2f} deg/s too much or too little, by {by}, and "
-        "no rest of the drive shows it; let the chair stand for some seconds at the beginning",
-        size=size, unit="deg/s", repair=_taken_off(name, offset_radps),
+        f"reads {size:.2f} ± {np.rad2deg(sd_radps):.2f} deg/s {way} {about}, by {by}, "
+        "and no rest of the drive shows it; let the chair stand for some seconds at the beginning",
+        size=size, unit="deg/s", repair=_taken_off(name, offset_radps * axis),
     )  # fmt: skip
 
 

@@ -171,3 +171,52 @@ def test_a_fault_is_told_with_its_cost_and_refused_when_strict(tmp_path, works, 
     trials = command[2:-2]
     assert "right_wheel_gyr reads" in works("wheelchair", "check", *trials).stderr
     fails("wheelchair", "check", *trials, "--strict", says=["right_wheel_gyr reads"])
+
+
+def changed(tmp_path, path, name, change):
+    """A trial whose table is changed, under another name."""
+    table = pd.read_csv(path)
+    change(table)
+    table.to_csv(tmp_path / name, index=False)
+    return tmp_path / name
+
+
+def test_strict_looks_at_the_sensors_that_a_command_uses(tmp_path, works, fails):
+    """The calibration's trials need no accelerometer of a wheel; they need the gyroscopes."""
+
+    def hold(half):
+        def change(table):
+            names = [name for name in table if name.startswith(f"left_wheel_{half}")]
+            table.loc[300:500, names] = table.loc[300, names].to_numpy()
+
+        return change
+
+    command = velocity()
+    straight = command.index("--straight") + 1
+    kept = command[straight]
+    command[straight] = changed(tmp_path, kept, "acc.csv", hold("acc"))
+    trials = command[2:-2]
+    works(*command, "--strict")
+    works("wheelchair", "check", *trials, "--strict")
+    (tmp_path / "v.csv").unlink()
+    command[straight] = changed(tmp_path, kept, "gyr.csv", hold("gyr"))
+    fails(*command, "--strict", says=["left_wheel_gyr", "repeats its last reading"])
+
+
+def test_a_range_that_is_cut_is_said_once(tmp_path, works):
+    """In the drive and in the straight-line trial, by both commands, of a range that is sold."""
+
+    def cut(table):
+        names = [name for name in table if name.startswith("left_wheel_gyr")]
+        table[names] = table[names].clip(-np.deg2rad(125), np.deg2rad(125))
+
+    command = velocity()
+    for place, name in ((2, "drive.csv"), (command.index("--straight") + 1, "line.csv")):
+        command[place] = changed(tmp_path, command[place], name, cut)
+    for result in (works(*command), works("wheelchair", "check", *command[2:-2])):
+        said = result.stdout + result.stderr
+        for name in ("drive.csv", "line.csv"):
+            about = [s for s in said.splitlines() if name in s and "end of its range" in s]
+            assert len(about) == 1 and "choose a wider range" in about[0]
+    valid = pd.read_csv(tmp_path / "v.csv")["valid"]
+    assert 0.2 < valid.mean() < 1.0

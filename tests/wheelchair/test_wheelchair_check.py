@@ -20,13 +20,12 @@ from mobility_imu.wheelchair.check import (
     _agreement,
     _camber,
     _Distances,
-    _fit,
     _Gyroscopes,
     _known,
-    _lag,
     _on_camber,
     _on_distances,
 )
+from mobility_imu.wheelchair.fits import fit_by_pieces
 
 CALIBRATED = {"gyr_scale_sd": 0.003, "gyr_axis_sd_rad": float(np.deg2rad(0.1))}
 """What is true of the simulated MTI-1, and what its user would state."""
@@ -134,7 +133,9 @@ def test_the_fit_over_its_standard_deviation_with_residuals_that_last(memory):
         noise = rng.standard_normal(4100)
         for k in range(1, len(noise)):
             noise[k] += memory * noise[k - 1]
-        found, covariance = _fit(design, design @ true + 0.01 * noise[100:], np.arange(4000) // 100)
+        found, covariance = fit_by_pieces(
+            design, design @ true + 0.01 * noise[100:], np.arange(4000) // 100
+        )
         ratios.append((found - true) / np.sqrt(np.diag(covariance)))
     low, high = chance(300)
     # From 40 blocks the sd itself is known to a tenth.
@@ -203,9 +204,14 @@ def test_the_lag_of_the_wheels_is_found(late):
     assert found.lag_s == pytest.approx(late / 100, abs=0.003)
 
 
-def test_a_lag_needs_some_samples():
-    assert np.isnan(_lag(np.arange(3.0), np.arange(3.0), 100.0))
-    assert np.isfinite(_lag(np.array([0.0, 1, 0, 0, 0, 0]), np.array([0.0, 1, 0, 0, 0, 0]), 100.0))
+def test_wheels_that_do_not_go_with_the_frame_have_no_lag():
+    """Two yaw rates that have nothing in common; a correlation always has some largest value."""
+    recording, mount = turns()
+    rng = np.random.default_rng(4)
+    frame = recording.sensors["frame"]
+    sensors = dict(recording.sensors)
+    sensors["frame"] = Imu(frame.acc_mps2, rng.normal(0, 1, frame.gyr_radps.shape))
+    assert np.isnan(check_geometry(Recording(recording.time_s, sensors), SAMPLE_CHAIR, mount).lag_s)
 
 
 def test_a_gain_of_each_side_needs_a_second_of_turning():
@@ -257,23 +263,6 @@ def test_an_offset_that_contradicts_the_rest_widens_the_uncertainty():
     after = check_geometry(changed, court.geometry, cal.mount, offsets=cal.offsets)
     assert after.track_sd_m > 1.5 * before.track_sd_m
     assert abs(after.track_m - court.geometry.track_m) < 3 * after.track_sd_m
-
-
-def test_the_lag_is_found_through_the_noise_of_samples():
-    """Turns of 0.9 rad/s every seven seconds; each sample's noise is half as large as they are.
-
-    The best that any estimate can do is 14 ms: sqrt(2) of the noise over the root mean square of
-    the turns' slope and the root of 6000 samples. The products of single samples alone do worse.
-    """
-    rng = np.random.default_rng(76)
-    time_s = np.arange(6000) / 100
-    errors = []
-    for late in (-0.1, 0.0, 0.1):
-        yaw, wheels = (0.9 * np.sin(0.9 * (time_s - by)) ** 3 for by in (0.0, late))
-        for _ in range(5):
-            noise = 0.45 * rng.standard_normal((2, len(time_s)))
-            errors.append(_lag(yaw + noise[0], wheels + noise[1], 100.0) - late)
-    assert rms(errors) < 0.03, errors
 
 
 def test_a_camber_of_zero_is_as_uncertain_as_its_cosine_makes_it():

@@ -1,16 +1,15 @@
 """Faults of a chair's sensors: found at a clear size, with what they cost; none invented."""
 
 import pickle
-from functools import cache
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
+from faulty import SENSORS, calibration, drive, largest, look, of_code, series, turned
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.recorded import numbers
-from mobility_imu.reproduction.wheelchair.fault_kinds import KINDS, MODELS, clean_drive
+from mobility_imu.reproduction.wheelchair.fault_kinds import KINDS, MODELS
 from mobility_imu.reproduction.wheelchair.faults import (
     CASES,
     cases_table,
@@ -20,56 +19,14 @@ from mobility_imu.reproduction.wheelchair.faults import (
     summary_of,
 )
 from mobility_imu.simulation import faults as inject
-from mobility_imu.simulation.sensor import MTI_1, REAL
 from mobility_imu.wheelchair import VelocitySettings, estimate_velocity, find_faults
-from mobility_imu.wheelchair.faults import results, valid_samples, with_valid
+from mobility_imu.wheelchair.faults import valid_samples, with_valid
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.recovery import held_samples, recovered, tied_rate
 from mobility_imu.wheelchair.turning import spin_fit, upward_angle, yaw_rate_of_wheel
 
-SEED = 41
-SENSORS = ("frame", "left_wheel", "right_wheel")
 # A few samples of smoothing and noise lie between a cost that is stated and the true one.
 FACTOR = 2.0
-
-
-@cache
-def drive(*, rests=True):
-    return clean_drive(SEED, MTI_1, rests=rests)
-
-
-@cache
-def calibration(rests=True):
-    return drive(rests=rests).calibration()
-
-
-def look(trial, rests=True):
-    cal = calibration(rests)
-    geometry = drive(rests=rests).court.geometry
-    return find_faults(trial, geometry, cal.mount, offsets=cal.offsets)
-
-
-def of_code(found, code):
-    return [fault for fault in found if fault.code == code]
-
-
-def series(trial, rests=True):
-    cal = calibration(rests)
-    geometry = drive(rests=rests).court.geometry
-    return results(trial, geometry, cal.mount, None, cal.offsets)
-
-
-def largest(first, second, name):
-    (key,) = [key for key in first if key[0] == name]
-    return float(np.abs(first[key] - second[key]).max())
-
-
-def turned(trial, sensor, angle_deg):
-    """About an axis across the sensor's own one, so that the whole angle counts."""
-    axis = drive().court.mounting[sensor].rotation_body_to_imu[:, 0]
-    return inject.turn(
-        trial, sensor, Rotation.from_rotvec(np.deg2rad(angle_deg) * axis).as_matrix()
-    )
 
 
 CLEAR = {
@@ -95,7 +52,7 @@ CLEAR = {
                          lambda t: inject.reverse(t, "frame")),
     "frame for wheel": ("exchanged", "frame, left_wheel", "speed",
                         lambda t: inject.exchange(t, "frame", "left_wheel")),
-    "a dead axis": ("dead axis", None, "yaw rate",
+    "a dead axis": ("dead axis", "frame_gyr_y", "yaw rate",
                     lambda t: inject.scale(t, "frame", "gyr", [1, 0, 1])),
 }  # fmt: skip
 
@@ -105,7 +62,7 @@ def test_a_clear_fault_is_found_with_its_cost(name):
     code, sensor, result, fault = CLEAR[name]
     faulty = fault(drive().trial)
     (found,) = [f for f in look(faulty) if f.code == code]
-    assert sensor is None or found.sensor == sensor
+    assert found.sensor == sensor
     try:
         moved = series(faulty)
     except InputError:  # the estimate refuses it; nothing was moved that could be compared
@@ -188,10 +145,13 @@ def test_an_offset_that_no_rest_shows():
     up = drive(rests=False).court.mounting["frame"].rotation_body_to_imu[:, 2]
     (found,) = look(inject.offset(clean, "frame", "gyr", np.deg2rad(3.0) * up), rests=False)
     assert (found.code, found.sensor) == ("offset", "frame_gyr")
+    assert "too much upward (turns to the left)" in found.sentence
     assert found.size == pytest.approx(3.0, abs=0.5)
     axle = drive(rests=False).court.mounting["left_wheel"].rotation_body_to_imu[:, 2]
-    (found,) = look(inject.offset(clean, "left_wheel", "gyr", np.deg2rad(4.0) * axle), rests=False)
+    (found,) = look(inject.offset(clean, "left_wheel", "gyr", -np.deg2rad(4.0) * axle), rests=False)
     assert (found.code, found.sensor) == ("offset", "left_wheel_gyr")
+    way = float(axle @ calibration(rests=False).mount.rotation_imu_to_wheel("left")[2])
+    assert f"too {'much' if way < 0 else 'little'} forward about its axle" in found.sentence
     assert found.size == pytest.approx(4.0, abs=1.0)
 
 
@@ -354,6 +314,8 @@ def test_a_lag_is_found_to_a_part_of_a_sample(lag):
     found = lag_between(motion[500:4500] + noise[0], motion[500 - lag : 4500 - lag] + noise[1], 100)
     assert found.lag_s == pytest.approx(lag / 100, abs=max(4 * found.sd_s, 0.001))
     assert lag_between(motion[:4000], rng.normal(0, 1, 4000), 100) is None
+    rounding = 1e-17 * np.arange(4000)
+    assert lag_between(0.1 + rounding, rounding, 100) is None
 
 
 # The study
@@ -367,14 +329,28 @@ def test_each_kind_of_the_study_runs_and_is_told_or_harmless(kind):
     assert summary_of(kind, [row | {"kind": kind}])["cases"] == 1
 
 
+def test_a_summary_counts_what_is_told_and_priced():
+    """Two matter and are told, one without a cost; a cost of 0 is one, and it is wrong."""
+    said = {"kind": "lag", "found_as": "lag", "right": True, "ratio": 5.0, "cost_real": 0.1}
+    rows = [
+        said | {"cost_stated": 0.15},
+        said | {"cost_stated": 0.0},
+        said | {"cost_stated": None},
+        said | {"cost_stated": 0.1, "right": False, "found_as": "turned"},
+        said | {"cost_stated": None, "right": False, "found_as": ""},
+        said | {"cost_stated": 0.1, "ratio": 1.0},
+        said | {"found_as": "refused", "ratio": float("inf")},
+    ]
+    assert summary_of("lag", rows) == {
+        "kind": "lag", "cases": 7, "refused": 1, "matter": 5, "told": 4, "right": 3, "priced": 2,
+        "within_two": 1, "unpriced": 2, "largest_missed": 5.0,
+    }  # fmt: skip
+
+
 def test_an_example_for_a_drawing():
     clean, faulty, before, after, found = example("lag", 2)
     assert len(clean) == len(faulty) and list(before) == list(after)
     assert "lag" in {fault.code for fault in found}
-
-
-def test_the_real_level_has_scale_errors_of_a_percent():
-    assert REAL.gyr.scale_sd == 0.01 and MODELS["real, punctual"].gyr.scale_sd == 0.003
 
 
 def test_the_record_as_a_table():
@@ -388,12 +364,12 @@ def test_the_record_as_a_table():
         on_edge = int((mine["ratio"] == 2.0).sum())
         assert abs(int(mine["matters"].sum()) - row["matter"]) <= on_edge
         found = int((mine["matters"] & (mine["found_as"].fillna("") != "")).sum())
-        assert abs(found - row["found"]) <= on_edge
+        assert abs(found - row["told"]) <= on_edge
 
 
 def test_hardly_anything_is_told_of_drives_without_a_fault():
     clean = numbers("faults_wheelchair")["clean"]
     without = [clean[name] for name in MODELS]
     drives, alarms = (sum(one[key] for one in without) for key in ("drives", "with_alarm"))
-    # 3 of 210 on seeds that nothing was looked at on: more than the 1 % that was asked for.
+    # The record states 3 of 210; one in a hundred more would be 5.
     assert drives >= 200 and alarms <= 0.015 * drives

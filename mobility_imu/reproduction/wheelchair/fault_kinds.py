@@ -197,7 +197,7 @@ def _spiked(
 
 
 def beyond_any_range(drive: Drive, rng: np.random.Generator) -> Injected:
-    """A reading of 41 to 1e6 rad/s, or of 4001 to 1e8 m/s²."""
+    """Readings that are off by 45 to 1.1e6 rad/s, or by 4400 to 1.1e6 m/s²."""
     half, least = ("gyr", 41.0) if rng.random() < 0.5 else ("acc", 4001.0)
     size = _size(rng, least, 1e6)
     return _spiked(drive, rng, _sensor(rng), half, 1.1 * size, "rad/s" if half == "gyr" else "m/s²")
@@ -279,6 +279,17 @@ def reversed_gyroscope(drive: Drive, rng: np.random.Generator) -> Injected:
 
 
 def left_handed(drive: Drive, rng: np.random.Generator) -> Injected:
+    """One axis of a sensor has the wrong sign in both halves in the trial.
+
+    The size is that axis' part of the turn. The other two sensors do not know of an axis across
+    the turn: what is told goes by the turn, as of one wrong sign of the gyroscope.
+    """
+    sensor, axis = _sensor(rng), int(rng.integers(3))
+    trial = inject.left_handed(drive.trial, sensor, axis)
+    return _with(drive, trial, sensor, float(_axis_of(drive, sensor)[axis] ** 2), "")
+
+
+def one_wrong_sign(drive: Drive, rng: np.random.Generator) -> Injected:
     """One axis of a gyroscope has the wrong sign in the trial; the size is its part of the turn.
 
     On a level floor the frame turns about the vertical only: an axis whose part of it is a then
@@ -370,6 +381,7 @@ KINDS: dict[str, tuple[Injection, frozenset[str], bool]] = {
     "straight trial turns": (turning_straight, frozenset(), True),
     "another drive's frame": (another_frame, frozenset({"at odds", "lag"}), True),
     "copy": (copied_sensor, frozenset({"copy"}), True),
+    "one wrong sign": (one_wrong_sign, frozenset({"reversed", "turned", "scale"}), True),
 }
 """Kinds of faults: how each is injected, by which codes it is rightly named, and whether the drive
 has rests. Where no code is right, only a refusal is."""

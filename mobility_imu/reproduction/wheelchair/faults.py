@@ -265,13 +265,16 @@ def summary_of(kind: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
     Returns
     -------
     dict with ``cases``, ``refused``, ``matter`` (refusals left out), and of those that matter
-    ``right`` (named rightly) and ``found`` (told at all); ``priced`` (with a stated cost) and
-    ``within_two`` of them; ``largest_missed`` (in standard deviations)
+    ``told`` (at all) and ``right`` (by the right name); ``priced``, those whose right name states
+    a cost of the result that moves most, and of these ``within_two``, whose cost is right within a
+    factor of two; ``unpriced``, told without such a cost; ``largest_missed`` (in standard
+    deviations)
     """
     mine = [row for row in rows if row["kind"] == kind]
     refused = [row for row in mine if row["found_as"] == "refused"]
     matter = [r for r in mine if r["found_as"] != "refused" and r["ratio"] > MATTERS]
-    priced = [row for row in matter if row["right"] and row["cost_stated"]]
+    told = [row for row in matter if row["found_as"]]
+    priced = [row for row in told if row["right"] and row["cost_stated"] is not None]
     within = [r for r in priced if 0.5 <= r["cost_stated"] / r["cost_real"] <= 2.0]
     missed = [row["ratio"] for row in matter if not row["found_as"]]
     return {
@@ -279,10 +282,11 @@ def summary_of(kind: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
         "cases": len(mine),
         "refused": len(refused),
         "matter": len(matter),
-        "right": sum(row["right"] for row in matter),
-        "found": sum(bool(row["found_as"]) for row in matter),
+        "told": len(told),
+        "right": sum(row["right"] for row in told),
         "priced": len(priced),
         "within_two": len(within),
+        "unpriced": len(told) - len(priced),
         "largest_missed": float(f"{max(missed, default=0.0):.3g}"),
     }
 
