@@ -154,7 +154,8 @@ def _faults_of(pair: SensorPair, *, on_one_clock: bool = False) -> Iterator[Faul
         yield fault_of(
             pair.recording, "at odds", "lever, body", _whole(pair),
             "contradict each other: no angles of the controls explain both, and nothing that was "
-            "tried makes them agree; look at how they are mounted and exported", size=float(np.sqrt(pair.stated.squared / 3)), unit="times the usual",
+            "tried makes them agree; look at how they are mounted and exported",
+            size=float(np.sqrt(pair.stated.squared / 3)), unit="times the usual",
         )  # fmt: skip
     else:
         yield from _turned_since(pair)
