@@ -1,18 +1,16 @@
 """Scooter, faults: each kind is told at a clear size with its cost, and sound rides are silent."""
 
 import pickle
-from functools import cache
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
+from rides import FUSION, mount, moved_deg, ride, turned
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.scooter import (
     SUZUKI_ET4D,
     RideSettings,
-    ScooterMount,
     calibrate_mount,
     estimate_ride,
     find_faults,
@@ -31,29 +29,7 @@ from mobility_imu.simulation.scooter import (
 )
 from mobility_imu.simulation.sensor import REAL
 
-FUSION = RideSettings(method="fusion")
 SEEDS = (51, 52)
-LIKE_NEW = np.full(6, np.deg2rad(0.5))
-"""Standard deviations of a mount that was calibrated with care, rad."""
-
-
-@cache
-def ride(seed=51, course="curves"):
-    unit, driver = draw_scooter(seed), draw_driver(seed)
-    return simulate_ride(COURSES[course], seed=seed, unit=unit, driver=driver).recording
-
-
-@cache
-def mount(seed=51):
-    unit = draw_scooter(seed)
-    turns = [Rotation.from_rotvec(tilt).as_matrix() for tilt in unit.mountings.values()]
-    return ScooterMount(*turns, LIKE_NEW)
-
-
-def turned(recording, sensor, axis, angle_deg):
-    rotation = Rotation.from_euler(axis, angle_deg, degrees=True).as_matrix()
-    return put.turn(recording, sensor, rotation)
-
 
 FAULTS = {
     "late lever": ("lag", "lever", lambda r: put.late(r, "lever", 0.15)),
@@ -76,16 +52,6 @@ FAULTS = {
     "spikes": ("spike", "lever_gyr", lambda r: put.spike(r, "lever", "gyr", [700, 900], 2, 20.0)),
     "small spikes": ("spike", "lever_gyr", lambda r: put.spike(r, "lever", "gyr", [700], 2, 5.0)),
 }  # fmt: skip
-
-
-def moved_deg(found, clean):
-    """Largest change of steering and throttle where the sound ride is valid."""
-    return [
-        np.rad2deg(
-            np.abs(getattr(found, f"{name}_rad") - getattr(clean, f"{name}_rad"))[clean.valid].max()
-        )
-        for name in ("steering", "throttle")
-    ]
 
 
 @pytest.mark.parametrize("name", FAULTS)
