@@ -286,9 +286,9 @@ def _late(pair: SensorPair, lag: Lag) -> Iterator[_Suspect]:
 def _exchange(pair: SensorPair) -> Iterator[_Suspect]:
     repair = partial(exchanged, first="lever", second="body")
     after = pair.repaired(repair)
-    if after is not None and (pair.stated is None or after.squared < pair.stated.squared):
-        if pair.stated is None and after.squared > AT_ODDS:
-            return
+    if after is None or after.squared > AT_ODDS:
+        return  # right names leave nothing at odds
+    if pair.stated is None or after.squared < pair.stated.squared:
         yield _Suspect(
             "exchanged", "lever, body",
             "have each other's names: what is called the body turns on the lever's hinges; "

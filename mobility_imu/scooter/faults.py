@@ -211,17 +211,18 @@ def _alone(
     mount: ScooterMount | None,
 ) -> Iterator[Fault]:
     """Faults that one sensor shows by itself."""
-    spiky, cut = set(), dict[str, NDArray[np.bool_]]()
+    spiky, told = set(), dict[str, NDArray[np.bool_]]()
     for fault in (*examine(recording), *_pinned(recording, names)):
         if not all(part.split("_")[0] in names for part in fault.sensor.split(", ")):
             continue
         if fault.code == "spike":
             spiky.add(fault.sensor)
-        if fault.code == "range":
-            known = cut.setdefault(fault.sensor, np.zeros(len(recording), np.bool_))
+        if fault.code in ("frozen", "range"):
+            # What repeats itself, or was told already, is not the end of a range as well.
+            known = told.setdefault(fault.sensor, np.zeros(len(recording), np.bool_))
             if not (fault.flags & ~known).any():
                 continue
-            cut[fault.sensor] = known | fault.flags
+            told[fault.sensor] = known | fault.flags
         if fault.code in ("frozen", "range"):
             fault = replace(fault, repair=_bridge(recording, fault, names, geometry, mount))
         yield fault
