@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, Repair, all_repaired, interpolated, with_costs
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, wrap_angle
 from mobility_imu.health import FEWEST_VALUES, examine, fault_of, single_spikes
 from mobility_imu.recording import Recording
 from mobility_imu.scooter.contradictions import Contradictions, contradictions
@@ -84,9 +84,10 @@ def find_faults(
     late against the body's; both exchanged; axes of a gyroscope with the wrong sign, or left-handed
     axes; scale and offset of a gyroscope; a sensor that is turned otherwise than the mount says;
     and two sensors that contradict each other. Not so with one sensor, without gyroscopes, below
-    5 s or 10 Hz, or while an accelerometer is lost for most of the time. Where the closed form
-    distrusts most samples (a recording that is not of slow drive), only exchanged sensors, one that
-    lies otherwise than it should at the beginning, and offsets at rest are looked for.
+    5 s or 10 Hz, where an accelerometer is lost for most of the time, or where a gyroscope or an
+    axis says nothing throughout. Where the closed form distrusts most samples (a recording that is
+    not of slow drive), only exchanged sensors, one that lies otherwise than it should at the
+    beginning, and offsets at rest are looked for.
 
     What cannot be seen: scale and offset of an accelerometer, which on level ground are turns of
     it; a turn of a sensor by less than the mount is uncertain; a scale below some per cent; a turn
@@ -327,7 +328,7 @@ class _Runs:
             self.sd_deg = np.where(np.isfinite(stated), stated, LEAST_MOVED_DEG)
             self.found = angles
         else:
-            angles = self.found + within_half_turn_deg(angles - self.found)
+            angles = self.found + np.rad2deg(wrap_angle(np.deg2rad(angles - self.found)))
             angles = np.where(ride.valid, angles, np.nan)
             self.better[self.undone] = angles
         return {(name, "deg"): series for name, series in zip(ANGLES, angles, strict=True)}
@@ -346,20 +347,6 @@ class _Runs:
             return None
         apart = np.abs(self.found - better) / self.sd_deg
         return np.asarray(np.nan_to_num(apart).max(axis=0)) if np.isfinite(apart).any() else None
-
-
-def within_half_turn_deg(angles_deg: FloatArray) -> FloatArray:
-    """Angles less whole turns.
-
-    Parameters
-    ----------
-    angles_deg : array, deg
-
-    Returns
-    -------
-    array, deg, from -180 up to 180
-    """
-    return np.asarray((angles_deg + 180.0) % 360.0 - 180.0)
 
 
 def _are_equal(first: Recording, second: Recording) -> bool:

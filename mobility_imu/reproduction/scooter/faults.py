@@ -19,6 +19,7 @@ from mobility_imu.datasets.folders import find_folder
 from mobility_imu.errors import InputError
 from mobility_imu.executors import run_all
 from mobility_imu.faults import Fault
+from mobility_imu.frames import wrap_angle
 from mobility_imu.recording import Recording
 from mobility_imu.reproduction.real_files import Numbers
 from mobility_imu.reproduction.scooter.fault_cases import (
@@ -129,8 +130,8 @@ def _moved(found: RideAngles, clean: RideAngles) -> tuple[list[float], float]:
     """Largest change of steering and throttle, deg, and the largest in standard deviations."""
     moved, sds = [], []
     for name in ("steering", "throttle"):
-        apart = (getattr(found, f"{name}_rad") - getattr(clean, f"{name}_rad"))[clean.valid]
-        apart = np.abs((apart + np.pi) % (2 * np.pi) - np.pi)  # whole turns are none
+        apart = getattr(found, f"{name}_rad") - getattr(clean, f"{name}_rad")
+        apart = np.abs(wrap_angle(apart[clean.valid]))  # whole turns are none
         sd = getattr(clean, f"{name}_sd_rad")[clean.valid]
         moved.append(float(np.rad2deg(apart.max(initial=0.0))))
         sds.append(float((apart / sd).max(initial=0.0)))
