@@ -146,14 +146,20 @@ def _cut_axes(
     """Axes that are cut, their readings, the end of their range, and where they are at it.
 
     Flags are of samples, not of axes. All axes of a sensor have one range: an axis that ends below
-    the largest reading is not cut, nor one that is there for a sample or two.
+    the largest reading is not cut, nor one that is there for a sample or two, nor one that goes on
+    beyond it elsewhere for longer than a peak.
     """
-    sizes = np.where(flags[:, None], np.abs(values), 0.0)
-    limit = float(sizes.max(initial=0.0))
+    sizes = np.abs(values)
+    limit = float(sizes[flags].max(initial=0.0))
     for k, axis in enumerate(np.array(values.T)):
         at_end = flags & (sizes[:, k] == limit)
-        if any(run.stop - run.start >= SHORTEST_CUT for run in runs_of(at_end)):
+        if _lasts(at_end) and not _lasts(sizes[:, k] > limit):
             yield k, axis, limit, at_end
+
+
+def _lasts(flags: NDArray[np.bool_]) -> bool:
+    """Whether flags hold for more than a peak."""
+    return any(run.stop - run.start >= SHORTEST_CUT for run in runs_of(flags))
 
 
 def carried(

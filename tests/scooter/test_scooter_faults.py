@@ -9,6 +9,7 @@ from rides import FUSION, mount, moved_deg, ride, turned
 
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, with_half
+from mobility_imu.health import examine
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.scooter import (
     SUZUKI_ET4D,
@@ -346,6 +347,15 @@ def test_a_range_below_gravity_is_told_where_it_moves_the_angles():
     assert found.code == "range" and mark_faults(
         estimate_ride(faulty, SUZUKI_ET4D), [found]
     ).valid.mean() < 0.1  # fmt: skip
+
+
+def test_a_pose_that_is_held_is_no_end_of_a_range():
+    """Axis x rests at its largest value, in steps of 0.01 g; z goes on beyond what it has there."""
+    parked = simulate_parked(
+        pitch_rad=np.deg2rad(5), bank_rad=0.0, seed=703, unit=draw_scooter(701), sensor=REAL
+    )
+    assert "range" in [fault.code for fault in examine(parked)]
+    assert find_faults(parked, SUZUKI_ET4D) == ()
 
 
 def test_more_faults_than_are_priced():

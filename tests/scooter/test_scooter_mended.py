@@ -38,6 +38,10 @@ def test_a_peak_of_two_samples_is_not_cut():
     ((axis, readings, limit, at_end),) = mended._cut_axes(values, flags)
     assert (axis, limit) == (0, 5.0) and (readings == values[:, 0]).all()
     assert np.flatnonzero(at_end).tolist() == [3, 4, 5]
+    values[18, 0] = 50.0
+    assert len(list(mended._cut_axes(values, flags))) == 1  # a spike is no wider range
+    values[17:, 0] = 5.5
+    assert list(mended._cut_axes(values, flags)) == []
 
 
 @pytest.mark.parametrize("start_s", [0.0, 0.2])
