@@ -93,7 +93,7 @@ class Motion(NamedTuple):
         their means
     means_radps : (3,) array, rad/s, what was taken off: the mean rates of steering and throttle,
         and of the lever against the body about the locked axis
-    turning_radps : rad/s, root mean square of the lever's rate
+    turning_radps : rad/s, root mean square of the lever's rate about its mean, of all three axes
     """
 
     lever_locked: FloatArray

@@ -7,12 +7,13 @@ of :mod:`mobility_imu.scooter.agreement` are smallest is named, if they are clea
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import optimize
 from scipy.spatial.transform import Rotation
 
@@ -36,13 +37,9 @@ from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 from mobility_imu.scooter.machine import zeros_of
 from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.scooter.pose_check import pose_uncertainty
-from mobility_imu.scooter.sensor_pair import (
-    LARGE_OFFSET_RADPS,
-    SensorPair,
-    offsets_at_rest,
-)
+from mobility_imu.scooter.sensor_pair import LARGE_OFFSET_RADPS, SensorPair
 
-__all__ = ["contradictions"]
+__all__ = ["Contradictions", "contradictions"]
 
 SHORTEST_S = 5.0
 """Recordings that are shorter say nothing of two sensors together; the rates of slower ones than
@@ -56,9 +53,15 @@ SURE_LAG = 0.7
 """Correlation about the locked axis from which on a lag is believed."""
 SMALLEST_LAG_S, LAG_SDS = 0.01, 5.0
 """A lag of a sample moves nothing, and is within what joining two clocks leaves."""
-SMALLEST_SCALE, LARGEST_SCALE = 0.07, 3.0
+SMALLEST_SCALE, LARGEST_SCALE = 0.07, 100.0
 """Scale errors of gyroscopes end at 3 % (data sheets of consumer sensors), and mounts that are off
-by 2 deg move what is found by as much again."""
+by 2 deg move what is found by as much again. Units that are mistaken (deg/s for rad/s) make 57."""
+USUAL_SCALE = 3.0
+"""Ranges that are mistaken make 2 or 4 (data sheets); beyond this, both sensors have to agree."""
+BOUND_LOG = 0.01
+"""Logarithm of a factor so close to the limit is at it."""
+SCALES_TRIED = 43
+"""Steps of a quarter between both limits."""
 LEAST_TURNING_RADPS = 0.01
 """Rate of the whole scooter from which on it shows how the body's sensor is turned."""
 ZERO_SDS = 3.0
@@ -92,9 +95,22 @@ class _Suspect(NamedTuple):
     after: Agreement
 
 
+class Contradictions(NamedTuple):
+    """What two sensors show only together.
+
+    Parameters
+    ----------
+    faults : tuple of Fault; small ones too: whether they matter is not judged here
+    signs_tested : whether both gyroscopes' signs were tried
+    """
+
+    faults: tuple[Fault, ...] = ()
+    signs_tested: bool = False
+
+
 def contradictions(
     recording: Recording, geometry: ScooterGeometry, mount: ScooterMount | None
-) -> Iterator[Fault]:
+) -> Contradictions:
     """Faults that two sensors show only together.
 
     Parameters
@@ -103,47 +119,65 @@ def contradictions(
     geometry : ScooterGeometry
     mount : ScooterMount, or None
 
-    Yields
-    ------
-    Fault; small ones too: whether they matter is not judged here
+    Returns
+    -------
+    Contradictions; empty for a recording that is too short or too slow
     """
-    whole = np.ones(len(recording), np.bool_)
     length_s = float(recording.time_s[-1] - recording.time_s[0])
     if length_s < SHORTEST_S or recording.sampling_rate_hz < SLOWEST_RATE_HZ:
-        return
+        return Contradictions()
     try:
         pair = SensorPair(recording, geometry, mount)
     except InputError:
-        return  # gravity is missing or reversed: the estimate says it
-    suspects = [*_exchange(pair)]
-    if pair.stated is not None:
-        lag = lag_between(pair.motion, pair.seen.good, pair.rate_hz)
-        suspects += [*_signs(pair), *_scales(pair), *_late(pair, lag)]
-        if rms(pair.motion.body_locked) > LEAST_TURNING_RADPS:
-            # While the scooter stands, gravity alone would be asked.
-            suspects += [*_quarters(pair), *_mirrors(pair)]
-    found = _best(pair, suspects)
+        return Contradictions()  # gravity is missing or reversed: the estimate says it
+    return Contradictions(tuple(_faults_of(pair)), pair.stated is not None)
+
+
+def _faults_of(pair: SensorPair, *, on_one_clock: bool = False) -> Iterator[Fault]:
+    """Faults of a pair; once a lag is found, of the pair without it."""
+    found = _best(pair, list(_suspects(pair, on_one_clock)))
     if found is not None:
         yield fault_of(
-            recording, found.code, found.sensor, whole, found.what,
+            pair.recording, found.code, found.sensor, _whole(pair), found.what,
             size=found.size, unit=found.unit, repair=found.repair,
         )  # fmt: skip
-        if found.code != "lag":
-            return
-    yield from _offset_at_rest(recording, offsets_at_rest(recording))
+        if found.code == "lag":
+            # What else is wrong cannot be seen behind it.
+            mended = SensorPair(found.repair(pair.recording), pair.geometry, pair.mount)
+            yield from _faults_of(mended, on_one_clock=True)
+        return
+    yield from _offset_at_rest(pair)
     yield from _offset_by_drift(pair)
     if pair.stated is None:
         yield from _tipped(pair)
-        return
-    if pair.stated.squared > AT_ODDS:
+    elif pair.stated.squared > AT_ODDS:
         yield fault_of(
-            recording, "at odds", "lever, body", whole,
+            pair.recording, "at odds", "lever, body", _whole(pair),
             "contradict each other: no angles of the controls explain both, and nothing that was "
-            "tried makes them agree; look at how they are mounted and exported. What follows has "
-            "no known error", size=float(np.sqrt(pair.stated.squared / 3)), unit="times the usual",
+            "tried makes them agree; look at how they are mounted and exported",
+            size=float(np.sqrt(pair.stated.squared / 3)), unit="times the usual",
         )  # fmt: skip
     else:
         yield from _turned_since(pair)
+
+
+def _whole(pair: SensorPair) -> NDArray[np.bool_]:
+    return np.ones(len(pair.recording), np.bool_)
+
+
+def _suspects(pair: SensorPair, on_one_clock: bool) -> Iterator[_Suspect]:
+    """Each way in which a fault could have come about."""
+    yield from _exchange(pair)
+    if pair.stated is None:
+        return
+    yield from _signs(pair)
+    yield from _scales(pair)
+    if not on_one_clock:
+        yield from _late(pair, lag_between(pair.motion, pair.seen.good, pair.rate_hz))
+    if rms(pair.motion.body_locked) > LEAST_TURNING_RADPS:
+        # While the scooter stands, gravity alone would be asked.
+        yield from _quarters(pair)
+        yield from _mirrors(pair)
 
 
 def _best(pair: SensorPair, suspects: list[_Suspect]) -> _Suspect | None:
@@ -190,25 +224,48 @@ def _signs(pair: SensorPair) -> Iterator[_Suspect]:
 
 def _scales(pair: SensorPair) -> Iterator[_Suspect]:
     for name in ("lever", "body"):
-
-        def misfit(log_factor: float, name: str = name) -> float:
-            return pair.with_rates(name, float(np.exp(log_factor))).squared
-
-        limit = float(np.log(LARGEST_SCALE))
-        found = optimize.minimize_scalar(
-            misfit, bounds=(-limit, limit), method="bounded", options={"xatol": 0.005}
-        )
-        factor = float(np.exp(found.x))
+        factor = _factor(pair, name)
+        after = pair.with_rates(name, factor)
         if abs(factor - 1) < SMALLEST_SCALE:
             continue
+        if abs(np.log(factor)) > np.log(USUAL_SCALE) and after.squared > AT_ODDS:
+            continue  # a gyroscope that is scaled away contradicts nothing
+        reads = 1 / factor
+        if reads >= LARGEST_SCALE:
+            times = f"{LARGEST_SCALE:.0f} times or more"
+        elif factor >= LARGEST_SCALE:
+            times = f"1/{LARGEST_SCALE:.0f} or less of"
+        else:
+            times = f"{reads:.2f} times" if reads > 0.1 else f"{reads:.2g} times"
         yield _Suspect(
             "scale", f"{name}_gyr",
-            f"reads {1 / factor:.2f} times what the other sensors show: check the unit and the "
-            "range that it was exported with",
-            1 / factor, "times",
+            f"reads {times} what the other sensors show: check the unit and the range that it was "
+            "exported with",
+            reads, "times",
             partial(multiplied, sensor=name, half="gyr", factors=factor),
-            pair.with_rates(name, factor),
+            after,
         )  # fmt: skip
+
+
+def _factor(pair: SensorPair, name: str) -> float:
+    """Factor of a gyroscope with which the sensors agree best, within its limits.
+
+    A coarse search comes first: the misfit may have more than one minimum.
+    """
+
+    def misfit(log_factor: float) -> float:
+        return pair.with_rates(name, float(np.exp(log_factor))).squared
+
+    limit = float(np.log(LARGEST_SCALE))
+    tried = np.linspace(-limit, limit, SCALES_TRIED)
+    best = int(np.argmin([misfit(value) for value in tried.tolist()]))
+    around = tried[max(best - 1, 0)], tried[min(best + 1, len(tried) - 1)]
+    found = optimize.minimize_scalar(
+        misfit, bounds=around, method="bounded", options={"xatol": 0.005}
+    )
+    # A bounded search ends beside a bound, never on it.
+    at_bound = limit - abs(found.x) < BOUND_LOG and misfit(float(tried[best])) <= found.fun
+    return float(np.exp(tried[best] if at_bound else found.x))
 
 
 def _late(pair: SensorPair, lag: Lag) -> Iterator[_Suspect]:
@@ -229,9 +286,9 @@ def _late(pair: SensorPair, lag: Lag) -> Iterator[_Suspect]:
 def _exchange(pair: SensorPair) -> Iterator[_Suspect]:
     repair = partial(exchanged, first="lever", second="body")
     after = pair.repaired(repair)
-    if after is not None and (pair.stated is None or after.squared < pair.stated.squared):
-        if pair.stated is None and after.squared > AT_ODDS:
-            return
+    if after is None or after.squared > AT_ODDS:
+        return  # right names leave nothing at odds
+    if pair.stated is None or after.squared < pair.stated.squared:
         yield _Suspect(
             "exchanged", "lever, body",
             "have each other's names: what is called the body turns on the lever's hinges; "
@@ -288,14 +345,13 @@ def unmirrored(recording: Recording, sensor: str, signs: FloatArray) -> Recordin
     return multiplied(multiplied(recording, sensor, "acc", signs), sensor, "gyr", signs)
 
 
-def _offset_at_rest(recording: Recording, offsets: dict[str, FloatArray]) -> Iterator[Fault]:
-    whole = np.ones(len(recording), np.bool_)
-    for name, offset in offsets.items():
+def _offset_at_rest(pair: SensorPair) -> Iterator[Fault]:
+    for name, offset in pair.offsets.items():
         size = float(np.abs(offset).max())
         if size > LARGE_OFFSET_RADPS:
             shown = ", ".join(f"{value:.1f}" for value in np.rad2deg(offset))
             yield fault_of(
-                recording, "offset", f"{name}_gyr", whole,
+                pair.recording, "offset", f"{name}_gyr", _whole(pair),
                 f"reads ({shown}) deg/s at rest; let the sensor warm up, or take the offset off",
                 size=float(np.rad2deg(size)), unit="deg/s",
                 repair=partial(without_offset, sensor=name, offset_radps=offset),
@@ -311,7 +367,7 @@ def _offset_by_drift(pair: SensorPair) -> Iterator[Fault]:
         return
     shown = ", ".join(f"{value:.1f}" for value in np.rad2deg(offset))
     yield fault_of(
-        pair.recording, "offset", f"{name}_gyr", np.ones(len(pair.recording), np.bool_),
+        pair.recording, "offset", f"{name}_gyr", _whole(pair),
         f"drifts against the other sensors, by about ({shown}) deg/s, and no rest shows its "
         "offset by itself; let the scooter stand for some seconds at the beginning",
         size=float(np.rad2deg(size)), unit="deg/s",
@@ -353,14 +409,39 @@ def _turned_since(pair: SensorPair) -> Iterator[Fault]:
         says.append(f"their gyroscopes are turned by {np.rad2deg(yaw):+.1f} deg about the vertical")
     if not says:
         return
-    sensor, size = ("body", abs(yaw)) if yaw else ("lever", float(np.abs(off).max()))
-    back = Rotation.from_rotvec([0, 0, yaw]).as_matrix() if yaw else _untwisted(pair, off)
+    turns = {}
+    if yaw:
+        upright = np.asarray(Rotation.from_rotvec([0, 0, yaw]).as_matrix())
+        turns["body"] = pair.in_own_axes("body", upright)
+    if off.any():
+        turns["lever"] = pair.in_own_axes("lever", _untwisted(pair, off))
+    calibrate = "calibrate the mount"
+    if pair.mount is not None:
+        calibrate = "was one turned since the calibration? Calibrate the mount"
     yield fault_of(
-        pair.recording, "turned", "lever, body", np.ones(len(body_acc), np.bool_),
-        f"are not mounted as stated: {' and '.join(says)}; was one turned since the calibration? "
-        "Calibrate the mount", size=float(np.rad2deg(size)), unit="deg",
-        repair=partial(turned_back, sensor=sensor, rotation=back),
+        pair.recording, "turned", "lever, body", _whole(pair),
+        f"are not mounted as stated: {' and '.join(says)}; {calibrate}",
+        size=float(np.rad2deg(np.abs([*off, yaw]).max())), unit="deg",
+        repair=partial(all_turned_back, rotations=turns),
     )  # fmt: skip
+
+
+def all_turned_back(recording: Recording, rotations: Mapping[str, FloatArray]) -> Recording:
+    """Recording in which the readings of some sensors are turned.
+
+    Parameters
+    ----------
+    recording : Recording
+    rotations : (3, 3) array of each sensor's name, from the axes that it has to those that it
+        should have
+
+    Returns
+    -------
+    Recording
+    """
+    for name, rotation in rotations.items():
+        recording = turned_back(recording, name, rotation)
+    return recording
 
 
 def _mount_sd(mount: ScooterMount) -> float:
@@ -386,11 +467,9 @@ def _tipped(pair: SensorPair) -> Iterator[Fault]:
         if angle <= limit:
             continue
         back = Rotation.from_rotvec(axis / np.linalg.norm(axis) * angle).as_matrix()
-        if pair.mount is not None:
-            turn = getattr(pair.mount, f"rotation_{name}_imu_to_{name}")
-            back = turn.T @ back @ turn
+        back = pair.in_own_axes(name, np.asarray(back))
         yield fault_of(
-            pair.recording, "turned", name, np.ones(len(pair.recording), np.bool_),
+            pair.recording, "turned", name, _whole(pair),
             f"lies {np.rad2deg(angle):.0f} deg from where it should be at the beginning, and most "
             "accelerations fit no angles of the controls; mount it as the geometry says, or "
             "calibrate the mount", size=float(np.rad2deg(angle)), unit="deg",
@@ -400,7 +479,7 @@ def _tipped(pair: SensorPair) -> Iterator[Fault]:
 
 
 def _untwisted(pair: SensorPair, off: FloatArray) -> FloatArray:
-    """Turn of the lever's sensor that takes both zeros to zero, in its own axes."""
+    """Turn of {T} that takes both zeros to zero."""
     up = [0.0, 0.0, 1.0]
     read = lever_acceleration(up, float(off[0]), float(off[1]), pair.geometry)
     right = lever_acceleration(up, 0.0, 0.0, pair.geometry)
@@ -408,8 +487,4 @@ def _untwisted(pair: SensorPair, off: FloatArray) -> FloatArray:
     angle = float(np.arctan2(np.linalg.norm(axis), read @ right))
     if angle > 0:
         axis = axis / np.linalg.norm(axis) * angle
-    turn = Rotation.from_rotvec(axis).as_matrix()
-    if pair.mount is None:
-        return np.asarray(turn)
-    to_lever = pair.mount.rotation_lever_imu_to_lever
-    return np.asarray(to_lever.T @ turn @ to_lever)
+    return np.asarray(Rotation.from_rotvec(axis).as_matrix())

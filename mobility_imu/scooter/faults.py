@@ -13,14 +13,15 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, Repair, all_repaired, interpolated, with_costs
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, wrap_angle
 from mobility_imu.health import FEWEST_VALUES, examine, fault_of, single_spikes
 from mobility_imu.recording import Recording
-from mobility_imu.scooter.contradictions import contradictions
+from mobility_imu.scooter.contradictions import Contradictions, contradictions
 from mobility_imu.scooter.geometry import ScooterGeometry
 from mobility_imu.scooter.mended import carried, lengthened, rebuilt, stretched
 from mobility_imu.scooter.mount import ScooterMount
@@ -52,7 +53,7 @@ SPIKE_RADPS = 1.0
 and to leave, 60 deg/s."""
 QUICK_HZ = 50.0
 """Sampling rate from which on single readings are that short."""
-GROSS = {"lag": 0.1, "offset": 20.0, "turned": float("inf")}
+GROSS = {"lag": 0.1, "offset": 20.0}
 """Sizes (s, deg/s) from which on such faults are told whatever they cost."""
 GROSS_SCALE = 1.3
 """The same of a scale, or of its inverse."""
@@ -61,12 +62,13 @@ BY_CHANCE = {"frozen_gyr": 1.0, "frozen_acc": np.inf, "range_gyr": 6, "range_acc
 in steps of 0.01 g repeats for seconds where it rests, and is not to be told from a stuck one; any
 sensor reads its largest value for some samples."""
 LARGEST_RESTING_MPS2 = 11.0
-"""Readings that gravity explains, with scale and offset of a consumer sensor."""
-LEAST_CUT_MPS2 = 1.0
-"""Lengths of two such sensors differ by less."""
+"""Readings that gravity explains, with scale and offset of a consumer sensor: one that rests in
+coarse steps is at its largest for long, and is not to be told from one that is cut there unless
+the angles show it."""
 MOSTLY = 0.5
-"""Part of the samples at which an axis cannot be at its largest value by chance."""
-GRADED = (*GROSS, "scale")
+"""Part of the samples at which an axis cannot be at its largest value by chance, and which a sensor
+must not have lost to be held against another one."""
+GRADED = ("lag", "offset", "turned", "scale")
 """Faults that every recording has a little of."""
 
 
@@ -81,8 +83,11 @@ def find_faults(
     Beside what :func:`~mobility_imu.health.examine` finds of each sensor alone: the lever's sensor
     late against the body's; both exchanged; axes of a gyroscope with the wrong sign, or left-handed
     axes; scale and offset of a gyroscope; a sensor that is turned otherwise than the mount says;
-    and two sensors that contradict each other. With one sensor, or without gyroscopes, or if the
-    closed form distrusts most samples (a recording that is not of slow drive), only the former.
+    and two sensors that contradict each other. Not so with one sensor, without gyroscopes, below
+    5 s or 10 Hz, where an accelerometer is lost for most of the time, or where a gyroscope or an
+    axis says nothing throughout. Where the closed form distrusts most samples (a recording that is
+    not of slow drive), only exchanged sensors, one that lies otherwise than it should at the
+    beginning, and offsets at rest are looked for.
 
     What cannot be seen: scale and offset of an accelerometer, which on level ground are turns of
     it; a turn of a sensor by less than the mount is uncertain; a scale below some per cent; a turn
@@ -99,8 +104,9 @@ def find_faults(
     -------
     tuple of Fault
         The costs are the largest changes of steering and throttle, in deg, over the samples that
-        the estimate trusts once the fault is undone. Where nothing can undo a fault, or the
-        estimate is refused, there are none.
+        the estimate trusts once the fault is undone; 0 where they are within what the estimate
+        leaves uncertain. Where nothing can undo a fault, or the estimate is refused or trusts no
+        sample, there are none.
 
     Raises
     ------
@@ -125,12 +131,22 @@ def find_faults(
     for name in settings.sensors:
         recording.sensor(name)
     alone = list(_alone(recording, settings.sensors, geometry, mount))
-    together: list[Fault] = []
+    # Both sensors together say better which signs are wrong, if they say something.
+    others = [fault for fault in alone if fault.code != "reversed"]
+    together = Contradictions()
     complete = all(recording.sensor(name).gyr_radps is not None for name in settings.sensors)
-    if len(settings.sensors) == 2 and complete and not any(f.code == "copy" for f in alone):
-        if not any(fault.flags.all() for fault in alone):
-            together = list(contradictions(_mended(alone, recording), geometry, mount))
-    return _priced([*together, *alone], recording, geometry, mount, settings)
+    if len(settings.sensors) == 2 and complete and not any(map(_is_lost, others)):
+        together = contradictions(_mended(others, recording), geometry, mount)
+    if together.signs_tested:
+        alone = others
+    return _priced([*together.faults, *alone], recording, geometry, mount, settings)
+
+
+def _is_lost(fault: Fault) -> bool:
+    """Whether too little is left of a sensor for another one to be held against it."""
+    if fault.code == "frozen" and fault.sensor.endswith("_acc"):
+        return bool(fault.flags.mean() > MOSTLY)
+    return bool(fault.flags.all())
 
 
 def _mended(faults: Iterable[Fault], recording: Recording) -> Recording:
@@ -146,9 +162,10 @@ def _mended(faults: Iterable[Fault], recording: Recording) -> Recording:
 def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
     """Ride whose samples are not valid where a fault of a sensor that is used moves them.
 
-    A fault counts if nothing can undo it, or if it moves an angle by more than its standard
-    deviation; lags, scales, offsets and turns, of which every recording has a little, by more than
-    twice that (20 deg where none is stated).
+    A fault counts if nothing can undo it, if it is not known what it costs, or if it moves an angle
+    by more than its standard deviation; lags, scales, offsets and turns, of which every recording
+    has a little, if they are known to move one by more than twice that (20 deg where none is
+    stated).
 
     Parameters
     ----------
@@ -178,7 +195,7 @@ def _matters(fault: Fault, ride: RideAngles) -> bool:
     if fault.repair is None:
         return True
     if fault.code not in GRADED:
-        return bool(fault.costs)
+        return not fault.costs or any(cost.largest > 0 for cost in fault.costs)
     stated = {"steering": ride.steering_sd_rad, "throttle": ride.throttle_sd_rad}
     for cost in fault.costs:
         sd = stated[cost.name][np.isfinite(stated[cost.name])]
@@ -195,16 +212,18 @@ def _alone(
     mount: ScooterMount | None,
 ) -> Iterator[Fault]:
     """Faults that one sensor shows by itself."""
-    spiky = set()
+    spiky, told = set(), dict[str, NDArray[np.bool_]]()
     for fault in (*examine(recording), *_pinned(recording, names)):
         if not all(part.split("_")[0] in names for part in fault.sensor.split(", ")):
             continue
-        if fault.code == "reversed" and len(names) == 2:
-            continue  # both sensors together say it better
         if fault.code == "spike":
             spiky.add(fault.sensor)
-        if _at_rest(recording, fault, names):
-            continue
+        if fault.code in ("frozen", "range"):
+            # What repeats itself, or was told already, is not the end of a range as well.
+            known = told.setdefault(fault.sensor, np.zeros(len(recording), np.bool_))
+            if not (fault.flags & ~known).any():
+                continue
+            told[fault.sensor] = known | fault.flags
         if fault.code in ("frozen", "range"):
             fault = replace(fault, repair=_bridge(recording, fault, names, geometry, mount))
         yield fault
@@ -241,21 +260,6 @@ def _pinned(recording: Recording, names: Sequence[str]) -> Iterator[Fault]:
                 )  # fmt: skip
 
 
-def _at_rest(recording: Recording, fault: Fault, names: Sequence[str]) -> bool:
-    """Whether an accelerometer at the end of its range just reads gravity, in coarse steps.
-
-    Then its length is that of the other sensor without anything added.
-    """
-    if fault.code != "range" or len(names) < 2 or not fault.sensor.endswith("_acc"):
-        return False
-    if fault.size > LARGEST_RESTING_MPS2:
-        return False
-    name = fault.sensor.removesuffix("_acc")
-    longer = lengthened(recording, name, fault.flags).sensor(name).acc_mps2
-    added = np.abs(longer - recording.sensor(name).acc_mps2)[fault.flags].max(axis=1)
-    return bool(np.median(added) < LEAST_CUT_MPS2)
-
-
 def _bridge(
     recording: Recording,
     fault: Fault,
@@ -266,7 +270,12 @@ def _bridge(
     """What puts the other sensors' knowledge where one repeats itself, or is cut."""
     name, half = fault.sensor.split("_")[:2]
     gyroscopes = all(recording.sensor(one).gyr_radps is not None for one in names)
-    if len(names) < 2 or not gyroscopes:
+    alone = len(names) < 2 or not gyroscopes
+    if (fault.code, half) == ("frozen", "acc"):
+        # A line needs readings on both sides, the hinges' rates those on one.
+        if fault.flags.all() or (alone and (fault.flags[0] or fault.flags[-1])):
+            return None
+    if alone:
         return fault.repair
     ways = {("frozen", "gyr"): rebuilt, ("frozen", "acc"): carried, ("range", "gyr"): stretched}
     if (fault.code, half) == ("range", "acc"):
@@ -284,38 +293,73 @@ class _Runs:
         self, geometry: ScooterGeometry, mount: ScooterMount | None, settings: RideSettings
     ) -> None:
         self.geometry, self.mount, self.settings = geometry, mount, settings
-        self.angles_deg: list[FloatArray | None] = []
+        self.found: FloatArray | None = None
+        self.better: dict[int, FloatArray] = {}
         self.sd_deg: FloatArray = np.zeros((2, 0))
+        self.undone: int | None = None
+
+    def watched(self, number: int, fault: Fault) -> Fault:
+        """Fault after whose repair the next estimate is that of a number.
+
+        A frozen sensor that its repair leaves as it is has no known cost: the repair is refused.
+        """
+        repair = fault.repair
+        if repair is None:
+            return fault
+
+        def mended(recording: Recording) -> Recording:
+            self.undone = number
+            better = repair(recording)
+            if fault.code == "frozen" and _are_equal(better, recording):
+                raise InputError(f"{recording.source}: {fault.sensor} has no reading to go on from")
+            return better
+
+        return replace(fault, repair=mended)
 
     def __call__(self, recording: Recording) -> dict[tuple[str, str], FloatArray]:
-        """Estimate of a recording; one that is refused leaves None."""
-        self.angles_deg.append(None)
+        """Estimate of a recording, the one of the last repair if there was one.
+
+        Angles of a repaired recording are within half a turn of the others.
+        """
         ride = estimate_ride(recording, self.geometry, self.mount, self.settings)
         angles = np.rad2deg([ride.steering_rad, ride.throttle_rad])
-        if len(self.angles_deg) == 1:
+        if self.undone is None or self.found is None:
             stated = np.rad2deg([ride.steering_sd_rad, ride.throttle_sd_rad])
             self.sd_deg = np.where(np.isfinite(stated), stated, LEAST_MOVED_DEG)
+            self.found = angles
         else:
+            angles = self.found + np.rad2deg(wrap_angle(np.deg2rad(angles - self.found)))
             angles = np.where(ride.valid, angles, np.nan)
-        self.angles_deg[-1] = angles
+            self.better[self.undone] = angles
         return {(name, "deg"): series for name, series in zip(ANGLES, angles, strict=True)}
 
     def most_by_lag(self, lag_s: float, rate_hz: float) -> float:
         """How far a lag can move the angles at most, in their sd: by their rates."""
-        found = self.angles_deg[0]
-        if found is None:
+        if self.found is None:
             return np.inf
-        rates = np.abs(np.gradient(found, axis=1)) * rate_hz
+        rates = np.abs(np.gradient(self.found, axis=1)) * rate_hz
         return float((LAG_FACTOR * lag_s * rates / self.sd_deg).max())
 
-    def moved_sds(self, run: int) -> FloatArray | None:
+    def moved_sds(self, number: int) -> FloatArray | None:
         """How far a repair moves the angles, (n,), in their sd; None if that is not known."""
-        if run >= len(self.angles_deg):
+        better = self.better.get(number)
+        if self.found is None or better is None:
             return None
-        found, better = self.angles_deg[0], self.angles_deg[run]
-        if found is None or better is None:
-            return None
-        return np.asarray(np.nan_to_num(np.abs(found - better) / self.sd_deg).max(axis=0))
+        apart = np.abs(self.found - better) / self.sd_deg
+        return np.asarray(np.nan_to_num(apart).max(axis=0)) if np.isfinite(apart).any() else None
+
+
+def _are_equal(first: Recording, second: Recording) -> bool:
+    """Whether two recordings have the same readings."""
+    return all(
+        np.array_equal(imu.acc_mps2, other.acc_mps2)
+        and (
+            imu.gyr_radps is None
+            or other.gyr_radps is None
+            or np.array_equal(imu.gyr_radps, other.gyr_radps)
+        )
+        for imu, other in ((first.sensor(name), second.sensor(name)) for name in first.sensors)
+    )
 
 
 def _priced(
@@ -326,29 +370,35 @@ def _priced(
     settings: RideSettings,
 ) -> tuple[Fault, ...]:
     """Faults with their costs; without those that every recording has and that move nothing."""
-    runs, run, told = _Runs(geometry, mount, settings), 0, []
-    for fault in with_costs(faults, recording, runs):
-        moved = None
-        if fault.repair is not None:
-            run += 1
-            moved = runs.moved_sds(run)
+    runs, told = _Runs(geometry, mount, settings), []
+    watched = [runs.watched(k, fault) for k, fault in enumerate(faults)]
+    for k, fault in enumerate(with_costs(watched, recording, runs)):
+        fault = replace(fault, repair=faults[k].repair)
+        moved = runs.moved_sds(k)
         if moved is None:
-            told.append(fault)
+            told.append(_of_unknown_cost(fault, settings))
             continue
         most = float(moved.max(initial=0.0))
         if fault.code == "lag" and fault.size < USUAL["lag"]:
             most = min(most, runs.most_by_lag(fault.size, recording.sampling_rate_hz))
         if most < _least_sds(fault) and not _is_gross(fault):
             continue
-        flags = fault.flags | (moved > UNTRUSTED_SDS)
-        if most >= LEAST_SDS:
-            costs = tuple(cost for cost in fault.costs if cost.largest >= SMALLEST_COST_DEG)
-            told.append(replace(fault, costs=costs, flags=flags))
-        else:
+        flags, sentence = fault.flags | (moved > UNTRUSTED_SDS), fault.sentence
+        least = SMALLEST_COST_DEG
+        if most < LEAST_SDS:
             # What a repair changes within the estimate's own noise is no measure of the fault.
-            sentence = f"{fault.sentence}; {_says_little(settings, fault)}"
-            told.append(replace(fault, costs=(), flags=flags, sentence=sentence))
+            least, sentence = np.inf, f"{sentence}; {_says_little(settings, fault)}"
+        costs = tuple(c if c.largest >= least else c._replace(largest=0.0) for c in fault.costs)
+        told.append(replace(fault, costs=costs, flags=flags, sentence=sentence))
     return tuple(told)
+
+
+def _of_unknown_cost(fault: Fault, settings: RideSettings) -> Fault:
+    if fault.code != "at odds":
+        return replace(fault, costs=())
+    used = _is_used(fault, settings)
+    means = "the angles are not valid" if used else "the closed form does not use the gyroscopes"
+    return replace(fault, sentence=f"{fault.sentence}; {means}")
 
 
 def _says_little(settings: RideSettings, fault: Fault) -> str:
@@ -364,6 +414,9 @@ def _least_sds(fault: Fault) -> float:
     """How far a fault has to move the angles to be told, in their sd."""
     if fault.code in GRADED:
         return UNTRUSTED_SDS if fault.size < USUAL.get(fault.code, 0.0) else LEAST_SDS
+    if fault.code == "range" and fault.sensor.endswith("_acc"):
+        if fault.size <= LARGEST_RESTING_MPS2:
+            return LEAST_SDS
     size = fault.samples if fault.code == "range" else fault.size
     kind = f"{fault.code}_{fault.sensor.rpartition('_')[2]}"
     return LEAST_SDS if size < BY_CHANCE.get(kind, 0.0) else 0.0

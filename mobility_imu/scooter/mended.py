@@ -6,10 +6,13 @@ an acceleration that stands still follows from the other one and the gyroscopes'
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from mobility_imu.errors import InputError
 from mobility_imu.faults import with_half
 from mobility_imu.frames import FloatArray
 from mobility_imu.hinges import column_vector, hinge_rates, steered, turn
@@ -22,7 +25,9 @@ from mobility_imu.scooter.mount import ScooterMount
 __all__ = ["carried", "lengthened", "rebuilt", "stretched"]
 
 BESIDE_S = 0.3
-"""Angles are averaged over this beside a loss: a blow is no gravity."""
+"""Samples so close to a loss give no angles: the means of ``MEAN_S`` reach into it from there."""
+SHORTEST_CUT = 3
+"""Samples that an axis stays at the end of its range, at least; fewer are a peak."""
 UNTURNED = np.eye(3)
 
 
@@ -95,9 +100,8 @@ def stretched(
     """
     rates = np.array(recording.gyroscope(sensor))
     expected = rebuilt(recording, sensor, flags, geometry, mount).gyroscope(sensor)
-    for k, axis in enumerate(rates.T):
-        limit = float(np.abs(axis[flags]).max(initial=0.0))
-        for cut in runs_of(flags & (np.abs(axis) == limit)):
+    for k, axis, limit, at_end in _cut_axes(rates, flags):
+        for cut in runs_of(at_end):
             sign = np.sign(axis[cut.start])
             beyond = max(0.0, float(np.mean(sign * expected[cut, k])) - limit)
             count = cut.stop - cut.start
@@ -129,13 +133,33 @@ def lengthened(recording: Recording, sensor: str, flags: NDArray[np.bool_]) -> R
         for name in (other, sensor)
     )
     acc = np.array(recording.sensor(sensor).acc_mps2)
-    for k, axis in enumerate(acc.T):
-        limit = float(np.abs(axis[flags]).max(initial=0.0))
-        cut = flags & (np.abs(axis) == limit)
+    for k, axis, limit, cut in _cut_axes(acc, flags):
         rest = values.sum(axis=1) - values[:, k]
         size = np.sqrt(np.maximum(length.sum(axis=1) - rest, limit**2))
         acc[cut, k] = (np.sign(axis) * size)[cut]
     return with_half(recording, sensor, "acc", acc)
+
+
+def _cut_axes(
+    values: FloatArray, flags: NDArray[np.bool_]
+) -> Iterator[tuple[int, FloatArray, float, NDArray[np.bool_]]]:
+    """Axes that are cut, their readings, the end of their range, and where they are at it.
+
+    Flags are of samples, not of axes. All axes of a sensor have one range: an axis that ends below
+    the largest reading is not cut, nor one that is there for a sample or two, nor one that goes on
+    beyond it elsewhere for longer than a peak.
+    """
+    sizes = np.abs(values)
+    limit = float(sizes[flags].max(initial=0.0))
+    for k, axis in enumerate(np.array(values.T)):
+        at_end = flags & (sizes[:, k] == limit)
+        if _lasts(at_end) and not _lasts(sizes[:, k] > limit):
+            yield k, axis, limit, at_end
+
+
+def _lasts(flags: NDArray[np.bool_]) -> bool:
+    """Whether flags hold for more than a peak."""
+    return any(run.stop - run.start >= SHORTEST_CUT for run in runs_of(flags))
 
 
 def carried(
@@ -160,10 +184,13 @@ def carried(
 
     Returns
     -------
-    Recording; as it was if nothing is left beside the loss
+    Recording
+
+    Raises
+    ------
+    InputError
+        If too little is left beside the loss for angles to go on from.
     """
-    if flags.all():
-        return recording
     rate_hz, axes = recording.sampling_rate_hz, _axes(mount)
     acc = {name: recording.sensor(name).acc_mps2 @ turns.T for name, turns in axes.items()}
     gyr = {name: recording.gyroscope(name) @ turns.T for name, turns in axes.items()}
@@ -173,7 +200,7 @@ def carried(
     # Means that reach into a loss are no angles.
     known = ~ndimage.binary_dilation(flags, iterations=beside)
     if not known.any():
-        return recording
+        raise InputError(f"{recording.source}: {sensor}_acc has no reading beside a loss")
     for lost in runs_of(~known):
         angles[lost] = _integrated(angles, gyr, lost, geometry, rate_hz)
     turns = rotation_lever_to_body(angles[:, 0], angles[:, 1], geometry)

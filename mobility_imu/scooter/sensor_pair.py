@@ -51,12 +51,13 @@ class SensorPair:
     ) -> None:
         self.recording, self.geometry, self.mount = recording, geometry, mount
         self.rate_hz = recording.sampling_rate_hz
-        self.readings = self.of(recording)
+        self.offsets = offsets_at_rest(recording)
+        self.readings = self.of(recording, self.offsets)
         self.seen = self.angles(self.readings.acc)
         self.motion = self.moved(self.readings.gyr, self.seen)
         self.stated = agreement(self.seen, self.motion) if self.seen.enough else None
         self.drift: tuple[str, FloatArray] | None = None
-        if self.stated is not None and not offsets_at_rest(recording):
+        if self.stated is not None and not self.offsets:
             self._take_off(_drift(self))
 
     def _take_off(self, drift: tuple[str, FloatArray]) -> None:
@@ -71,10 +72,10 @@ class SensorPair:
             self.readings, self.motion = self.readings._replace(gyr=gyr), motion
             self.stated = after
 
-    def of(self, recording: Recording) -> _Readings:
-        """Readings of a recording without the offsets at rest, however large these are."""
+    def of(self, recording: Recording, offsets: dict[str, FloatArray]) -> _Readings:
+        """Readings of a recording without its offsets at rest, however large these are."""
         still = recording
-        for name, offset in offsets_at_rest(recording).items():
+        for name, offset in offsets.items():
             still = without_offset(still, name, offset)
         names = ("lever", "body")
         return _Readings(
@@ -87,6 +88,16 @@ class SensorPair:
         if self.mount is None:
             return vectors["lever"], vectors["body"]
         return self.mount.lever(vectors["lever"]), self.mount.body(vectors["body"])
+
+    def in_own_axes(self, name: str, turn: FloatArray) -> FloatArray:
+        """Turn of {T} or {B} in the axes of the sensor that the mount turns into them."""
+        if self.mount is None:
+            return turn
+        to = {
+            "lever": self.mount.rotation_lever_imu_to_lever,
+            "body": self.mount.rotation_body_imu_to_body,
+        }[name]
+        return np.asarray(to.T @ turn @ to)
 
     def angles(self, acc: dict[str, FloatArray]) -> Seen:
         """Angles by accelerations alone."""
@@ -104,7 +115,8 @@ class SensorPair:
     def repaired(self, repair: Repair) -> Agreement | None:
         """Agreement of the recording once something is undone; None if most angles have gone."""
         try:
-            readings = self.of(repair(self.recording))
+            mended = repair(self.recording)
+            readings = self.of(mended, offsets_at_rest(mended))
             seen = self.angles(readings.acc)
         except InputError:
             return None

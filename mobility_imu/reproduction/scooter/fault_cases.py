@@ -69,7 +69,7 @@ class Ride(NamedTuple):
     ----------
     recording : Recording
     mount : ScooterMount of a calibration, or None
-    level : "LPMS, calibrated", "LPMS" or "real"
+    level : "LPMS, calibrated" or "real"
     """
 
     recording: Recording
@@ -266,7 +266,7 @@ KINDS: dict[str, Kind] = {
 
 @cache
 def ride_of(number: int, first_seed: int = SEED, course: str = "round") -> Ride:
-    """Ride without a fault: of a calibrated LPMS-CU2, of a sensor as real ones are, or of both.
+    """Ride without a fault: of calibrated LPMS-CU2, or of sensors as real ones are without mount.
 
     Parameters
     ----------

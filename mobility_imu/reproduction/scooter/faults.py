@@ -19,6 +19,7 @@ from mobility_imu.datasets.folders import find_folder
 from mobility_imu.errors import InputError
 from mobility_imu.executors import run_all
 from mobility_imu.faults import Fault
+from mobility_imu.frames import wrap_angle
 from mobility_imu.recording import Recording
 from mobility_imu.reproduction.real_files import Numbers
 from mobility_imu.reproduction.scooter.fault_cases import (
@@ -129,7 +130,8 @@ def _moved(found: RideAngles, clean: RideAngles) -> tuple[list[float], float]:
     """Largest change of steering and throttle, deg, and the largest in standard deviations."""
     moved, sds = [], []
     for name in ("steering", "throttle"):
-        apart = np.abs(getattr(found, f"{name}_rad") - getattr(clean, f"{name}_rad"))[clean.valid]
+        apart = getattr(found, f"{name}_rad") - getattr(clean, f"{name}_rad")
+        apart = np.abs(wrap_angle(apart[clean.valid]))  # whole turns are none
         sd = getattr(clean, f"{name}_sd_rad")[clean.valid]
         moved.append(float(np.rad2deg(apart.max(initial=0.0))))
         sds.append(float((apart / sd).max(initial=0.0)))
@@ -149,7 +151,8 @@ def clean_row(number: int) -> dict[str, Any]:
 
     Parameters
     ----------
-    number : of the ride; courses take turns, and each third is an LPMS without calibration
+    number : of the ride; courses take turns; of each course's rides half are of real sensors, a
+        quarter of a calibrated LPMS, a quarter of one without calibration
 
     Returns
     -------
@@ -326,26 +329,31 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     DataFrame by kind
-        ``cases``; ``matter``, more than :data:`MATTERS_SDS` or refused; ``told`` and ``rightly``
-        among these; ``priced``, told faults with a cost; ``within_two``, those whose cost in the
-        angle that is moved most is within a factor of two of the real one
+        ``cases``; ``refused``; ``matter``, more than :data:`MATTERS_SDS` and not refused; of these
+        ``told`` (at all) and ``right`` (by the right name); ``priced``, told with a cost, and of
+        these ``within_two``, whose cost in the angle that is moved most is within a factor of two
+        of the real one; ``unpriced``, told without a cost
     """
     import pandas as pd
 
     rows = {}
     for kind, part in table.groupby("kind", sort=False):
-        matter = part[(part["moved_sds"] > MATTERS_SDS) | (part["found_as"] == "refused")]
-        told = part[(part["found_as"] != "") & part["steering_stated_deg"].notna()]
-        by_throttle = told["throttle_real_deg"] > told["steering_real_deg"]
-        stated = told["steering_stated_deg"].where(~by_throttle, told["throttle_stated_deg"])
-        real = told["steering_real_deg"].where(~by_throttle, told["throttle_real_deg"])
+        refused = part["found_as"] == "refused"
+        matter = part[(part["moved_sds"] > MATTERS_SDS) & ~refused]
+        told = matter[matter["found_as"] != ""]
+        priced = told[told["steering_stated_deg"].notna()]
+        by_throttle = priced["throttle_real_deg"] > priced["steering_real_deg"]
+        stated = priced["steering_stated_deg"].where(~by_throttle, priced["throttle_stated_deg"])
+        real = priced["steering_real_deg"].where(~by_throttle, priced["throttle_real_deg"])
         rows[kind] = {
             "cases": len(part),
+            "refused": int(refused.sum()),
             "matter": len(matter),
-            "told": int((matter["found_as"] != "").sum()),
-            "rightly": int(matter["right"].sum()),
-            "priced": len(told),
+            "told": len(told),
+            "right": int(matter["right"].sum()),
+            "priced": len(priced),
             "within_two": int(((stated <= 2 * real) & (stated >= real / 2)).sum()),
+            "unpriced": len(told) - len(priced),
         }
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("kind")
 
