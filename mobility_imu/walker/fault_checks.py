@@ -13,7 +13,12 @@ from scipy import ndimage
 from mobility_imu.faults import Fault, half_of, interpolated, multiplied, shifted, with_half
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.health import fault_of
-from mobility_imu.quality import SHORTEST_FROZEN_S, resolution_of, turned_gravity
+from mobility_imu.quality import (
+    SHORTEST_FROZEN_S,
+    resolution_of,
+    same_as_before,
+    turned_gravity,
+)
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
 from mobility_imu.walker.rest_checks import (
@@ -249,8 +254,9 @@ def _held(
 ) -> Iterator[Fault]:
     """An accelerometer in coarse steps that repeats itself while the gyroscope turns gravity."""
     imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
-    same = np.r_[False, (np.diff(imu.acc_mps2, axis=0) == 0).all(axis=1)]
-    same = long_runs(same, max(2, round(SHORTEST_FROZEN_S * rate_hz) - 1), grow=True)
+    same = long_runs(
+        same_as_before(imu.acc_mps2), max(2, round(SHORTEST_FROZEN_S * rate_hz) - 1), grow=True
+    )
     if not same.any():
         return
     rates = recording.gyroscope(FRAME) - readings.offset()
