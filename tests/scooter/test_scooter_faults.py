@@ -393,6 +393,20 @@ def test_a_refused_repair_takes_no_other_faults_cost():
     assert [fault.samples for fault in found] == [1, len(late), 1]
 
 
+def test_what_hardly_matters_is_said_in_words_that_are_true_of_the_estimate():
+    """The closed form's median takes a single spike off; it states deviations if told the noise."""
+    faulty = put.spike(ride(), "lever", "acc", [700], 0, 200.0)
+    for settings, words in (
+        (RideSettings(), "by less than 1 deg"),
+        (RideSettings(acc_noise_mps2=0.5), "by less than their standard deviation"),
+    ):
+        (found,) = find_faults(faulty, SUZUKI_ET4D, None, settings)
+        assert found.code == "spike" and found.told.endswith(f"it moves the angles {words}")
+        assert [cost.largest for cost in found.costs] == [0, 0]
+        clean = estimate_ride(faulty, SUZUKI_ET4D, None, settings)
+        assert (mark_faults(clean, [found]).valid == clean.valid).all()
+
+
 def test_whole_turns_are_no_cost():
     faulty = put.scale(ride(51, "straight"), "body", "gyr", 57.3)
     (found,) = find_faults(faulty, SUZUKI_ET4D, None, FUSION)
