@@ -18,12 +18,14 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_floats, one_of
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.results import Result
-from mobility_imu.runs import runs_of
+from mobility_imu.runs import long_runs, runs_of
 
 HALVES = ("acc", "gyr")
 """Halves of a sensor: accelerometer and gyroscope."""
 FEWEST_BESIDE = 5
 """Samples on either side of a cut peak that a curve is fitted to, at least."""
+FEWEST_CUT = 3
+"""Samples, one after the other, at which an axis has to stay to be taken as cut."""
 MOST_PRICED = 6
 """Faults whose cost is found, of one recording: each takes an estimate of its own."""
 
@@ -289,7 +291,7 @@ def widened(recording: Recording, sensor: str, half: str, flags: NDArray[np.bool
     curves = np.array(values)
     for k, axis in enumerate(values.T):
         limit = np.abs(axis[flags]).max(initial=0.0)
-        at_end = flags & (np.abs(axis) == limit)
+        at_end = long_runs(flags & (np.abs(axis) == limit), FEWEST_CUT, grow=False)
         for lost in runs_of(at_end):
             beside = max(FEWEST_BESIDE, (lost.stop - lost.start) // 2)
             around = np.arange(max(0, lost.start - beside), min(len(axis), lost.stop + beside))

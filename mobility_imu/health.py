@@ -127,12 +127,22 @@ def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:
         cut = saturated_samples(values, run=shortest) & ~(frozen | often)
         cut = long_runs(cut, shortest, grow=False) | (often & ~frozen)
         if cut.any():
-            largest = float(np.abs(values[cut]).max())
+            largest = _end_of_range(values, cut)
             yield fault_of(
                 recording, "range", label, cut,
                 f"stays at the end of its range, {largest:.4g} {unit}; choose a wider range",
                 size=largest, unit=unit, repair=partial(widened, sensor=name, half=half, flags=cut),
             )  # fmt: skip
+
+
+def _end_of_range(values: FloatArray, cut: NDArray[np.bool_]) -> float:
+    """Largest size at which an axis stays; the others may be beyond it for a moment."""
+    sizes = np.abs(values)
+    ends = sizes[cut].max(axis=0)
+    stays = [
+        long_runs(cut & (sizes[:, k] == end), 3, grow=False).any() for k, end in enumerate(ends)
+    ]
+    return float(ends[stays].max() if any(stays) else ends.max())
 
 
 def fault_of(

@@ -76,6 +76,20 @@ def test_a_cut_range_goes_on_as_a_curve(moving):
     assert np.abs(back).max() == pytest.approx(top, abs=0.1 * (top - 0.8) + 0.02)
 
 
+def test_a_cut_range_is_the_one_at_which_an_axis_stays_and_other_axes_remain_as_they_are(moving):
+    rates = np.array(moving.gyroscope("lever"))
+    rates[:, 1] = np.clip(rates[:, 1], -0.8, 0.8)
+    flags = np.abs(rates[:, 1]) == 0.8
+    at = np.flatnonzero(flags)[20]
+    rates[at, 0] = 1.5
+    cut = faults.with_half(moving, "lever", "gyr", rates)
+    mended = faults.widened(cut, "lever", "gyr", flags).gyroscope("lever")
+    np.testing.assert_array_equal(mended[:, [0, 2]], rates[:, [0, 2]])
+    assert np.abs(mended[:, 1]).max() > 0.9
+    (found,) = (fault for fault in examine(cut) if fault.code == "range")
+    assert found.size == 0.8 and "0.8 rad/s" in found.sentence
+
+
 def test_a_frozen_half_is_bridged(moving):
     wrong = injected.freeze(moving, "lever", "gyr", 5.0, 1.0)
     (found,) = examine(wrong)
