@@ -89,6 +89,8 @@ def main() -> None:
 
 def _run() -> tuple[int, str]:
     """Run the application; returns the exit code and, unless that is 0, the message."""
+    if "" in sys.argv[1:]:  # as a path it would be the current folder
+        return AT_FAULT, "an argument is empty; was a variable of the shell not set?"
     try:
         code = app(standalone_mode=False)
         if sys.stdout is not None:
