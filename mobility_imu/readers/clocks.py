@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
@@ -19,6 +20,9 @@ from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu, Recordi
 if TYPE_CHECKING:
     from mobility_imu.readers.lags import ClockLag
 
+_log = logging.getLogger("mobility_imu")
+WORTH_A_LINE_S = 600.0
+"""The search by movement in a longer recording takes half a minute or more."""
 LONGEST_FILL_S = 60.0
 """A straight line over a longer gap says nothing of the motion."""
 FEWEST_TO_FILL = 1000
@@ -317,6 +321,13 @@ def _by_movement(
         return streams, {}
     from mobility_imu.readers.lags import find_lags  # loads scipy.signal
 
+    longest_s = max(float(np.ptp(stream.time_s)) for stream in streams.values())
+    if longest_s > WORTH_A_LINE_S:
+        _log.info(
+            "%s: joining the clocks by their movement, %.0f min long; this takes a while",
+            source,
+            longest_s / 60,
+        )
     lags = find_lags(streams, groups, source)
     moved = {name: lag for names, lag in zip(groups[1:], lags[1:], strict=True) for name in names}
     joined = {

@@ -93,9 +93,10 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
         files |= {EVENTS: _or_empty(text, str(events))} if str(events) in names else {}
         read_phone = PHONES[form][1]
         return form, read_phone({k: v for k, v in files.items() if v.strip()}, path.name, asked)
+    held = sorted(names) or [f"{p.name}/" for p in sorted(path.glob("*/"))]
     raise NoSession(
         f"{path}: is a folder or archive without a session that is known (x-io, Sensor Logger, "
-        f"phyphox); it holds {listed(sorted(names)) or 'nothing'}"
+        f"phyphox); it holds {listed(held) or 'nothing'}"
     )
 
 

@@ -124,6 +124,15 @@ def test_a_jump_back_comes_before_a_search_by_movement():
     check_forward(time_s[:1], "made")
 
 
+def test_a_long_search_by_movement_is_announced(caplog):
+    time_s = np.arange(0, 700, 0.1)
+    streams = {name: stream(time_s, clock=name) for name in ("lever", "body")}
+    with caplog.at_level("INFO", logger="mobility_imu"):
+        with pytest.raises(InputError, match="does not show clearly"):
+            one_clock(streams, "made")
+    assert "made: joining the clocks by their movement, 12 min long" in caplog.text
+
+
 # Gaps
 
 

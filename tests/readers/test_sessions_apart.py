@@ -44,6 +44,12 @@ def test_two_sessions_of_x_io_are_not_mixed(tmp_path):
         quietly(packed(folder))
 
 
+def test_folders_that_lie_too_deep_are_listed(tmp_path):
+    study(tmp_path / "study", dialects.ngimu)
+    with pytest.raises(InputError, match="it holds P1/, P2/"):
+        quietly(tmp_path / "study")
+
+
 @pytest.mark.parametrize("write", [dialects.sensor_logger, dialects.phyphox, dialects.ximu3])
 def test_a_copy_within_a_recording_is_a_second_one(tmp_path, write):
     write(made(), tmp_path)
