@@ -42,7 +42,8 @@ if TYPE_CHECKING:
 
 MOST_SENSORS = 12
 CLOCK, SAME_CLOCK, OWN_CLOCK = "clock", "same", "own"
-"""``clock=same`` among several files: their stamps come from one clock, or from one trigger.
+"""``clock=same`` among several files: their stamps come from one clock, or from one trigger; where
+all files tell the time of day, their times count from it.
 ``clock=own``: each sensor has a clock of its own, also where a file or session holds several."""
 XSENS = "Xsens MT Manager"
 PAIR = r"\s*(\w+)\s*=\s*(.+)"
@@ -96,6 +97,7 @@ def read_recording(
     sampling_rate_hz : Hz, for formats without a clock; such a file is refused without it
     fill_gaps_s : gaps up to this length are filled by linear interpolation. With 0 a gap is
         refused; where sensors or uneven stamps are brought on one clock, one of more than 0.1 s
+        and one and a half steps
     expected : names of sensors that are wanted; a sensor without a telling name gets them in order
 
     Returns
