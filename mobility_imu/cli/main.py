@@ -10,6 +10,7 @@ import traceback
 import warnings
 from collections.abc import Iterable
 from contextlib import suppress
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
 
@@ -89,6 +90,10 @@ def main() -> None:
 
 def _run() -> tuple[int, str]:
     """Run the application; returns the exit code and, unless that is 0, the message."""
+    given = pairwise(sys.argv)
+    # As a path it would be the current folder; an option's value is checked by the option.
+    if any(not here and not before.startswith("-") for before, here in given):
+        return AT_FAULT, "an argument is empty; the current folder is '.'"
     try:
         code = app(standalone_mode=False)
         if sys.stdout is not None:

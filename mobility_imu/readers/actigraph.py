@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from datetime import UTC, datetime
 
 import numpy as np
 
@@ -69,5 +70,38 @@ def read_actigraph(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
             source=source,
             rate_from="the file's head",
             counted=True,
+            epoch_s=_epoch(lines),
         ),
     )
+
+
+def _epoch(lines: list[str]) -> float | None:
+    """Time of day, s, of the first sample; None if neither it nor the head tells."""
+    stamp = re.match(r"(\d{4})-(\d\d)-(\d\d)T(\d\d):(\d\d):(\d\d)(\.\d+)?", _first_row(lines[-1]))
+    if stamp is not None:
+        whole = _seconds(*map(int, stamp.groups()[:6]))
+        return None if whole is None else whole + float(stamp[7] or 0)
+    head = "\n".join(lines[:-1])
+    date = re.search(r"^Start Date (\d+)\D(\d+)\D(\d+)", head, re.MULTILINE)
+    time = re.search(r"^Start Time (\d+):(\d+):(\d+)", head, re.MULTILINE)
+    order = re.search(r"date format ([Mdy]+)\W([Mdy]+)\W([Mdy]+)", head)
+    if date is None or time is None or order is None:
+        return None
+    part = {letters[0]: int(number) for letters, number in zip(order.groups(), date.groups(),
+                                                               strict=True)}  # fmt: skip
+    if set(part) != {"y", "M", "d"}:
+        return None
+    return _seconds(part["y"], part["M"], part["d"], *map(int, time.groups()))
+
+
+def _first_row(table: str) -> str:
+    """First row of a table below its names."""
+    return table.partition("\n")[2].partition("\n")[0].lstrip('" ')
+
+
+def _seconds(*at: int) -> float | None:
+    """Seconds since 1970 of year, month, day, hour, minute, second on the wall; None if no date."""
+    try:
+        return datetime(*at, tzinfo=UTC).timestamp()  # type: ignore[misc,arg-type]
+    except ValueError:
+        return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
@@ -19,6 +20,9 @@ from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu, Recordi
 if TYPE_CHECKING:
     from mobility_imu.readers.lags import ClockLag
 
+_log = logging.getLogger("mobility_imu")
+WORTH_A_LINE_S = 600.0
+"""The search by movement in a longer recording takes half a minute or more."""
 LONGEST_FILL_S = 60.0
 """A straight line over a longer gap says nothing of the motion."""
 FEWEST_TO_FILL = 1000
@@ -26,7 +30,11 @@ FEWEST_TO_FILL = 1000
 MOSTLY_USUAL = 0.8
 """If fewer steps than this part are near the median, there is no usual step."""
 LONGEST_SILENT_GAP_S = 0.1
-"""Sensors that are joined are interpolated over a longer gap as well, but a warning says so."""
+"""Stamps that are not even may leave gaps up to this, which are interpolated over."""
+ROUNDING_S = 1e-6
+"""Stamps in decimals are this far from what they say, or nearer."""
+LONG_END_S = 1.0
+"""Sensors start and stop within this; more that one sensor does not have is worth a warning."""
 
 
 def check_rate(sampling_rate_hz: float, source: str, *, clock: bool = False) -> float:
@@ -88,6 +96,80 @@ def _number(value: object) -> float:
         return as_number(value, "value", negative=True, infinite=True)
     except InputError:
         return float("nan")
+
+
+def longest_silent_gap(usual_s: float) -> float:
+    """Longest step between stamps that is interpolated over without being asked for.
+
+    Parameters
+    ----------
+    usual_s : s, the sensor's usual step
+
+    Returns
+    -------
+    float, s
+    """
+    longest = max(LONGEST_SILENT_GAP_S, GAP_FACTOR * min(usual_s, 1 / LOWEST_RATE_HZ))
+    return longest + ROUNDING_S
+
+
+def check_forward(time_s: FloatArray, source: str) -> None:
+    """Check that no clock is set back; single stamps that repeat or are swapped may stay.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+    source : the first words of the message
+
+    Raises
+    ------
+    InputError
+        If a time is earlier than one before it by more than a gap that may be.
+    """
+    if len(time_s) < 2:
+        return
+    with np.errstate(invalid="ignore"):
+        latest = np.maximum.accumulate(time_s)
+        back = latest - time_s > longest_silent_gap(float(np.median(np.diff(time_s))))
+    if back.any():
+        k = int(np.argmax(back))
+        raise InputError(
+            f"{source}: the clock jumps back by {latest[k] - time_s[k]:.4g} s at sample {k + 1} "
+            f"({latest[k] - time_s[0]:.2f} s after the first); cut the recording there"
+        )
+
+
+def ends_left_out(clocks: Mapping[str, FloatArray], source: str) -> list[str]:
+    """Sentence on what is lost because one series begins late or ends early.
+
+    Parameters
+    ----------
+    clocks : name to its times, s, increasing
+    source : the first words of the message
+
+    Returns
+    -------
+    list of str, empty or with one sentence
+    """
+    first = min(clock[0] for clock in clocks.values())
+    last = max(clock[-1] for clock in clocks.values())
+    begin = max(clock[0] for clock in clocks.values())
+    end = min(clock[-1] for clock in clocks.values())
+    lost = []
+    if begin - first > LONG_END_S:
+        late = {name: clock[0] - first for name, clock in clocks.items()}
+        at = [f"{name} only from {s:.2f} s" for name, s in late.items() if s > LONG_END_S]
+        lost.append(f"the first {begin - first:.2f} s ({', '.join(at)})")
+    if last - end > LONG_END_S:
+        at = [
+            f"{name} only until {clock[-1] - first:.2f} s"
+            for name, clock in clocks.items()
+            if last - clock[-1] > LONG_END_S
+        ]
+        lost.append(f"the last {last - end:.2f} s ({', '.join(at)})")
+    if not lost:
+        return []
+    return [f"{source}: {' and '.join(lost)} of {last - first:.2f} s left out: not all have it"]
 
 
 def fill_gaps(
@@ -155,8 +237,8 @@ def one_clock(
 
     Samples stay as they are if all sensors have the same times and these count samples or are
     increasing without gaps. Otherwise the sensors are interpolated to one even clock at the rate
-    of the slowest; a gap longer than 0.1 s, or than ``fill_gaps_s`` if that is longer, is
-    refused.
+    of the slowest; a gap longer than 0.1 s and than one and a half steps is refused unless
+    ``fill_gaps_s`` is as long, and so is a clock that jumps back.
 
     Parameters
     ----------
@@ -177,14 +259,18 @@ def one_clock(
         their stamps are to be believed, and whatever a Recording refuses.
     """
     said = [sentence for stream in streams.values() for sentence in stream.warnings]
-    streams, lags = _by_movement(streams, source)
-    if lags:
-        said.append(f"{source}: joined by their movement: {_lags_said(lags)}")
     first = next(iter(streams.values()))
-    same = not lags and all(
+    same = all(
         stream.time_s is first.time_s or np.array_equal(stream.time_s, first.time_s, equal_nan=True)
         for stream in streams.values()
     )
+    if not (same and first.counted):  # else Recording says where the times run backwards
+        for name, stream in streams.items():
+            check_forward(stream.time_s, f"{source}, {name}")
+    streams, lags = _by_movement(streams, source)
+    if lags:
+        said.append(f"{source}: joined by their movement: {_lags_said(lags)}")
+        same = False
     if same and (first.counted or _is_even(first.time_s)):
         time_s = first.time_s if first.counted else first.time_s - first.time_s[0]
         sensors = {name: Imu(s.acc_mps2, s.gyr_radps) for name, s in streams.items()}
@@ -193,19 +279,20 @@ def one_clock(
         recording = Recording(time_s, sensors, source=source)
         check_rate(recording.sampling_rate_hz, source, clock=True)
         return recording, tuple(said), lags
-    longest = max(fill_gaps_s, LONGEST_SILENT_GAP_S)
     rates = []
     for name, stream in streams.items():
         stamps = np.unique(stream.time_s)
         if len(stamps) < 3:
             raise InputError(f"{source}, {name}: fewer than three stamps that differ")
         step = np.diff(stamps)
+        longest = max(fill_gaps_s, longest_silent_gap(float(np.median(step))))
         if step.max() > longest:
             k = int(np.argmax(step))
+            why = f": {stream.gap_why}" if stream.gap_why else ""
             raise InputError(
                 f"{source}, {name}: gap of {step[k]:.3g} s after {stamps[k] - stamps[0]:.2f} s "
-                f"({int((step > longest).sum())} longer than {longest:g} s); give --fill-gaps-s "
-                "(fill_gaps_s in Python) to bridge it, or cut the recording there"
+                f"({int((step > longest).sum())} longer than {longest:.3g} s){why}; give "
+                "--fill-gaps-s (fill_gaps_s in Python) to bridge it, or cut the recording there"
             )
         rates.append(_rate(step))
     rate = check_rate(min(rates), source, clock=True)
@@ -234,6 +321,13 @@ def _by_movement(
         return streams, {}
     from mobility_imu.readers.lags import find_lags  # loads scipy.signal
 
+    longest_s = max(float(np.ptp(stream.time_s)) for stream in streams.values())
+    if longest_s > WORTH_A_LINE_S:
+        _log.info(
+            "%s: joining the clocks by their movement, %.0f min long; this takes a while",
+            source,
+            longest_s / 60,
+        )
     lags = find_lags(streams, groups, source)
     moved = {name: lag for names, lag in zip(groups[1:], lags[1:], strict=True) for name in names}
     joined = {
@@ -256,10 +350,16 @@ def _lags_said(lags: Mapping[str, ClockLag]) -> str:
 
 def _rate(step: FloatArray) -> float:
     """Rate of a sensor from the steps of its stamps; what was lost says nothing of it."""
-    usual = (step > 0.5 * np.median(step)) & (step <= GAP_FACTOR * np.median(step))
+    usual = _near_usual(step)
     if usual.mean() < MOSTLY_USUAL:  # no usual step: a logger that writes when it can
-        usual = step <= LONGEST_SILENT_GAP_S
+        usual = step <= longest_silent_gap(float(np.median(step)))
     return 1 / float(np.mean(step[usual]))
+
+
+def _near_usual(step: FloatArray) -> NDArray[np.bool_]:
+    """Which steps are near the median."""
+    median = np.median(step)
+    return np.asarray((step > 0.5 * median) & (step <= GAP_FACTOR * median))
 
 
 def _is_even(time_s: FloatArray) -> bool:
@@ -295,8 +395,9 @@ def join_streams(
     Returns
     -------
     recording : Recording
-    warnings : samples left out since their stamp is not after all before it, and gaps that the
-        interpolation bridges (longer than 0.1 s, or than a step where the times count samples)
+    warnings : samples left out since their stamp is not after all before it, gaps that the
+        interpolation bridges (lost samples; where no step is usual, more than 0.1 s), and what
+        is left out at the ends because not all sensors have it
 
     Raises
     ------
@@ -317,15 +418,13 @@ def join_streams(
         before = np.maximum.accumulate(np.r_[-np.inf, stamps[:-1]])
         kept[name] = stamps > before
         clocks[name] = stamps[kept[name]]
-        # One that counts its samples is refused by itself for any gap; joined, it is said.
-        step = np.median(np.diff(clocks[name])) if stream.counted and kept[name].sum() > 1 else 0.0
-        silent = GAP_FACTOR * step if step > 0 else LONGEST_SILENT_GAP_S
         left_out = int((~kept[name]).sum())
-        said += _oddities(clocks[name], left_out, silent, f"{source}, {name}")
+        said += _oddities(clocks[name], left_out, stream.counted, f"{source}, {name}")
     begin = max(clock[0] for clock in clocks.values())
     span = min(clock[-1] for clock in clocks.values()) - begin
     if not span * rate_hz > 1:
         raise InputError(f"{source}: the sensors share no time ({_spans(clocks)})")
+    said += ends_left_out(clocks, source)
     time_s = np.arange(0.0, span, 1.0 / rate_hz)
 
     def at_common(name: str, values: FloatArray | None) -> FloatArray | None:
@@ -342,15 +441,42 @@ def join_streams(
     return Recording(time_s, sensors, source=source), tuple(said)
 
 
-def _oddities(clock: FloatArray, left_out: int, silent_s: float, source: str) -> list[str]:
+def losses(clock: FloatArray, counted: bool = False) -> NDArray[np.bool_]:
+    """Steps in which samples are missing; a late stamp before an early one is no loss.
+
+    Where no step is usual, it is those that are longer than a silent gap.
+
+    Parameters
+    ----------
+    clock : (n,) array, s, increasing
+    counted : whether the times count samples, so that every step longer than one is a loss
+
+    Returns
+    -------
+    (n - 1,) bool array
+    """
+    step = np.diff(clock)
+    if len(step) < 2:
+        return np.zeros(len(step), bool)
+    usual = float(np.median(step))
+    long = step > GAP_FACTOR * usual
+    if counted:
+        return np.asarray(long)
+    if _near_usual(step).mean() < MOSTLY_USUAL:
+        return np.asarray(step > longest_silent_gap(usual))
+    three = np.convolve(np.r_[usual, step, usual], np.ones(3), "valid")
+    return np.asarray(long & (three > (2 + GAP_FACTOR) * usual))
+
+
+def _oddities(clock: FloatArray, left_out: int, counted: bool, source: str) -> list[str]:
     """Sentences on stamps that were left out and on gaps that are bridged."""
     said = []
     if left_out:
         said.append(f"{source}: {left_out} sample(s) left out whose stamps repeat or run backwards")
-    step = np.diff(clock)
-    long = step > silent_s
+    long = losses(clock, counted)
     if long.any():
-        k = int(np.argmax(step))
+        step = np.diff(clock)
+        k = int(np.argmax(np.where(long, step, 0.0)))
         said.append(
             f"{source}: {int(long.sum())} gap(s) bridged by straight lines, the longest of "
             f"{step[k]:.3g} s, {clock[k] - clock[0]:.1f} s after the start"

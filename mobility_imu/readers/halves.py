@@ -8,6 +8,12 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
+from mobility_imu.readers.clocks import (
+    check_forward,
+    ends_left_out,
+    longest_silent_gap,
+    losses,
+)
 from mobility_imu.readers.streams import Stream
 
 
@@ -27,17 +33,25 @@ class Half(NamedTuple):
 
 
 def join_halves(
-    acc: Half, gyr: Half | None, source: str, *, label: str = "", warnings: tuple[str, ...] = ()
+    acc: Half,
+    gyr: Half | None,
+    source: str,
+    *,
+    warnings: tuple[str, ...] = (),
+    epoch_s: float | None = None,
+    gap_why: str = "",
 ) -> Stream:
     """One stream of both; rates are interpolated to the accelerations' stamps.
+
+    Accelerations within a gap of the rates are left out, so that the stream has the gap.
 
     Parameters
     ----------
     acc : accelerations, m/s²
     gyr : rates, rad/s, or None
     source : names both, for messages
-    label : what the files call the sensor
     warnings : of the reader
+    epoch_s, gap_why : as in :class:`~mobility_imu.readers.streams.Stream`
 
     Returns
     -------
@@ -46,14 +60,16 @@ def join_halves(
     Raises
     ------
     InputError
-        If the two share no time.
+        If the two share no time, or the rates' clock jumps back.
     """
-    if gyr is None:
-        return Stream(acc.time_s, acc.values, None, source=source, label=label, warnings=warnings)
-    if len(acc.time_s) == len(gyr.time_s) and np.array_equal(acc.time_s, gyr.time_s):
+    if gyr is None or np.array_equal(acc.time_s, gyr.time_s):
+        rates = None if gyr is None else gyr.values
         return Stream(
-            acc.time_s, acc.values, gyr.values, source=source, label=label, warnings=warnings
-        )
+            acc.time_s, acc.values, rates, source=source, warnings=warnings, epoch_s=epoch_s,
+            gap_why=gap_why,
+        )  # fmt: skip
+    for half in (acc, gyr):
+        check_forward(half.time_s, half.source)
     stamps, first = np.unique(gyr.time_s, return_index=True)
     values = gyr.values[first]
     inside = (acc.time_s >= stamps[0]) & (acc.time_s <= stamps[-1])
@@ -62,9 +78,29 @@ def join_halves(
             f"{source}: accelerations ({acc.time_s[0]:.3f} to {acc.time_s[-1]:.3f} s) and rates "
             f"({stamps[0]:.3f} to {stamps[-1]:.3f} s) share no time"
         )
+    ends = {
+        name: np.array([times.min(), times.max()])
+        for name, times in (("accelerations", acc.time_s), ("rates", stamps))
+    }
+    said = [f"{source}: rates interpolated to the accelerations' stamps"]
+    said += ends_left_out(ends, source)
+    step = np.diff(stamps)
+    longest = longest_silent_gap(float(np.median(step)))
+    lost = losses(stamps) | (step > longest)
+    if lost.any():
+        k = int(np.argmax(np.where(lost, step, 0.0)))
+        found = (
+            f"{int(lost.sum())} gap(s) in the rates, the longest of {step[k]:.3g} s after "
+            f"{stamps[k] - stamps[0]:.2f} s"
+        )
+        # Accelerations in a long one make way, so that both have it.
+        after = np.clip(np.searchsorted(stamps, acc.time_s, side="right") - 1, 0, len(step) - 1)
+        inside &= ~((step[after] > longest) & (acc.time_s > stamps[after]))
+        gap_why = gap_why or f"{found} ({gyr.source})"
+        said.append(f"{gyr.source}: {found}")
     time_s = acc.time_s[inside]
     rates = np.column_stack([np.interp(time_s, stamps, axis) for axis in values.T])
-    said = f"{source}: rates interpolated to the accelerations' stamps"
     return Stream(
-        time_s, acc.values[inside], rates, source=source, label=label, warnings=(*warnings, said)
-    )
+        time_s, acc.values[inside], rates, source=source, warnings=(*warnings, *said),
+        epoch_s=epoch_s, gap_why=gap_why,
+    )  # fmt: skip

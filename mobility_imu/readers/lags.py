@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
 from typing import NamedTuple
 
@@ -395,13 +396,18 @@ def _fit_window(
     values = np.array([pair[:each] for pair in given]).ravel()
     sizes = tuple(s.channels for s in signals)
 
+    first = signals[0].at(time_s)
+
+    @lru_cache(maxsize=len(signals))  # most steps move one clock
+    def moved(k: int, *pair: float) -> FloatArray:
+        stamps = time_s + pair[0]
+        if drift:
+            stamps = stamps + pair[1] * (time_s - middle) / half
+        return signals[k].at(np.clip(stamps, signals[k].begin_s, signals[k].end_s))
+
     def gain(at: FloatArray) -> FloatArray:
-        channels = [signals[0].at(time_s)]
-        for signal, pair in zip(signals[1:], at.reshape(-1, each), strict=True):
-            stamps = time_s + pair[0]
-            if drift:
-                stamps = stamps + pair[1] * (time_s - middle) / half
-            channels.append(signal.at(np.clip(stamps, signal.begin_s, signal.end_s)))
+        pairs = enumerate(at.reshape(-1, each).tolist(), start=1)
+        channels = [first, *(moved(k, *pair) for k, pair in pairs)]
         sums = sums_in_parts(np.concatenate(channels, axis=2), parts) * (len_grid / len(time_s))
         return odds_without_each(sums, sizes, NOISE[kind], signals[0].width_hz)
 

@@ -1,13 +1,22 @@
-"""The app phyphox: one CSV per tab of the experiment, with units in the names; +1 g upward."""
+"""The app phyphox: one CSV per tab of the experiment, with units in the names; +1 g upward.
+
+Times are those of the experiment, which stand still while it is paused. ``meta/time.csv`` holds
+each start and pause with the time of day.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
 
 from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray
 from mobility_imu.readers.halves import Half, join_halves
-from mobility_imu.readers.layout import find_layout
+from mobility_imu.readers.layout import find_layout, split_row
 from mobility_imu.readers.quantities import find_triple, vectors
 from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import parse_numbers
@@ -16,6 +25,9 @@ TIME = "Time (s)"
 ACCELERATION = r"(?:acceleration |accelerometer )?(?P<axis>[xyz]) \((?P<unit>m/s\^?2|m/s²|g)\)"
 RATE = r"(?:gyroscope )?(?P<axis>[xyz]) \((?P<unit>rad/s|deg/s|°/s)\)"
 LINEAR = r"linear acceleration (?P<axis>[xyz]).*"
+EVENTS = "meta/time"
+"""Name of the file of starts and pauses."""
+EXPERIMENT_TIME, SYSTEM_TIME = "experiment time", "system time"
 
 
 def is_phyphox(names: str) -> bool:
@@ -65,7 +77,7 @@ def read_phyphox(files: Mapping[str, str], source: str, asked: Asked) -> tuple[S
 
     Parameters
     ----------
-    files : name of a file without its ending ("Accelerometer") to its content
+    files : name of a file without its ending ("Accelerometer", "meta/time") to its content
     source : the folder's name, for messages
     asked : not used, for the files state clock and units
 
@@ -76,7 +88,8 @@ def read_phyphox(files: Mapping[str, str], source: str, asked: Asked) -> tuple[S
     Raises
     ------
     InputError
-        If no file holds accelerations with gravity, or two do.
+        If no file holds accelerations with gravity, or two do, or the length of a pause is not
+        told.
     """
     accelerations, rates = [], []
     for name, text in files.items():
@@ -90,7 +103,92 @@ def read_phyphox(files: Mapping[str, str], source: str, asked: Asked) -> tuple[S
             f"{source}: {len(accelerations)} files with accelerations and {len(rates)} with rates, "
             "expected one of each; export the tabs of the accelerometer (with g) and the gyroscope"
         )
-    return (join_halves(accelerations[0], rates[0] if rates else None, source),)
+    events = _events(files[EVENTS], f"{source}/{EVENTS}.csv") if EVENTS in files else Events()
+    first, last = accelerations[0].time_s.min(), accelerations[0].time_s.max()
+    within = [k for k, at_s in enumerate(events.at_s) if first < at_s <= last]
+    said, why = [], ""
+    if within:
+        k = within[0]
+        why = (
+            f"{len(within)} pause(s) ({EVENTS}.csv), the first of {events.length_s[k]:.3g} s after "
+            f"{events.at_s[k] - first:.2f} s"
+        )
+        said.append(f"{source}: {why}; a pause is a gap")
+    phone, *turning = (
+        half._replace(time_s=events.with_pauses(half.time_s)) for half in (*accelerations, *rates)
+    )
+    joined = join_halves(
+        phone, turning[0] if turning else None, source,
+        warnings=tuple(said), epoch_s=events.epoch_s, gap_why=why,
+    )  # fmt: skip
+    return (joined,)
+
+
+class Events(NamedTuple):
+    """Pauses of an experiment.
+
+    Parameters
+    ----------
+    at_s : times of the experiment at which it was paused
+    length_s : lengths of the pauses, s
+    epoch_s : time of day at which the experiment's time is 0; None if it is not told
+    """
+
+    at_s: tuple[float, ...] = ()
+    length_s: tuple[float, ...] = ()
+    epoch_s: float | None = None
+
+    def with_pauses(self, time_s: FloatArray) -> FloatArray:
+        """Times that go on while the experiment is paused.
+
+        Parameters
+        ----------
+        time_s : (n,) array, s, of the experiment
+
+        Returns
+        -------
+        (n,) array, s
+        """
+        before = np.searchsorted(self.at_s, time_s, side="right")
+        return np.asarray(time_s + np.cumsum([0.0, *self.length_s])[before])
+
+
+def _events(text: str, source: str) -> Events:
+    """Pauses that ``meta/time.csv`` tells: each from a PAUSE to the START after it."""
+    if len(text.splitlines()) < 2:
+        return Events()
+    layout = find_layout(text, source)
+    names = [name.strip('"').lower() for name in layout.names]
+    if not {"event", EXPERIMENT_TIME} <= set(names):
+        return Events()
+    rows: list[tuple[str, float, float]] = []
+    for line in filter(str.strip, layout.body.splitlines()):
+        row = dict(zip(names, split_row(line, layout.separator), strict=False))
+        experiment_s, system_s = (
+            _number(row.get(name, "").replace(",", ".")) for name in (EXPERIMENT_TIME, SYSTEM_TIME)
+        )
+        rows.append((row["event"].strip(), experiment_s, system_s))
+    pauses = []
+    for (event, _, paused_s), (next_event, at_s, started_s) in pairwise(rows):
+        if (event, next_event) != ("PAUSE", "START"):
+            continue
+        length_s = started_s - paused_s
+        if not (length_s >= 0 and np.isfinite(at_s)):
+            raise InputError(
+                f"{source}: a pause after {at_s:.2f} s, whose length the system times do not tell; "
+                "cut the recording there"
+            )
+        pauses.append((at_s, length_s))
+    epochs = [system_s - at_s for event, at_s, system_s in rows if event == "START"]
+    epoch_s = epochs[0] if epochs and np.isfinite(epochs[0]) else None
+    return Events(tuple(at for at, _ in pauses), tuple(length for _, length in pauses), epoch_s)
+
+
+def _number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return float("nan")
 
 
 def _halves(text: str, source: str) -> tuple[Half | None, Half | None]:

@@ -9,12 +9,22 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
 from mobility_imu.readers.clocks import check_fill, check_rate, one_clock
 from mobility_imu.readers.column_map import read_mapped
 from mobility_imu.readers.formats import find_format
-from mobility_imu.readers.sessions import is_session, read_session, session_files
+from mobility_imu.readers.prefixes import (
+    DEVICES,
+    by_words,
+    exports_in,
+    first_line,
+    of_one_prefix,
+    xsens_parts,
+)
+from mobility_imu.readers.sessions import NoSession, is_session, read_session, session_files
 from mobility_imu.readers.streams import BELIEVED, Asked, Stream
 from mobility_imu.readers.table import read_text
 from mobility_imu.readers.wording import listed, quoted
@@ -30,20 +40,14 @@ from mobility_imu.results import Result
 if TYPE_CHECKING:
     from mobility_imu.readers.lags import ClockLag
 
-SENSOR_WORDS = {
-    "left_wheel": ("left", "gauche", "izquierda", "links"),
-    "right_wheel": ("right", "droite", "derecha", "rechts"),
-    "frame": ("frame", "chassis", "chasis", "rahmen"),
-    "lever": ("lever", "throttle", "levier"),
-    "body": ("body", "tiller", "scooter"),
-}
-"""Words in a file's or folder's name, or in a vendor's label, that tell which sensor it is."""
-DEVICES = (("frame", "left_wheel", "right_wheel"), ("lever", "body"))
 MOST_SENSORS = 12
 CLOCK, SAME_CLOCK, OWN_CLOCK = "clock", "same", "own"
-"""``clock=same`` among several files: their stamps come from one clock, or from one trigger.
+"""``clock=same`` among several files: their stamps come from one clock, or from one trigger; where
+all files tell the time of day, their times count from it.
 ``clock=own``: each sensor has a clock of its own, also where a file or session holds several."""
 XSENS = "Xsens MT Manager"
+PAIR = r"\s*(\w+)\s*=\s*(.+)"
+"""A sensor's name and its file."""
 LONGEST_EXAMPLE = 300
 """Characters of a file's name and label that a message gives as an example."""
 Named = str | Path | Sequence[str | Path]
@@ -93,6 +97,7 @@ def read_recording(
     sampling_rate_hz : Hz, for formats without a clock; such a file is refused without it
     fill_gaps_s : gaps up to this length are filled by linear interpolation. With 0 a gap is
         refused; where sensors or uneven stamps are brought on one clock, one of more than 0.1 s
+        and one and a half steps
     expected : names of sensors that are wanted; a sensor without a telling name gets them in order
 
     Returns
@@ -174,8 +179,15 @@ def _alone(path: Named) -> Named:
 def _text(path: Named) -> str:
     """What was given, as messages show it."""
     if isinstance(path, list | tuple):
-        return ",".join(str(as_path(part)) for part in path)
-    return str(as_path(path))  # type: ignore[arg-type]
+        return ",".join(_text_of_one(part) for part in path)
+    return _text_of_one(path)
+
+
+def _text_of_one(path: object) -> str:
+    if isinstance(path, str) and not path:
+        raise InputError("the name of a file is empty")
+    path = as_path(path)  # type: ignore[arg-type]
+    return str(path.resolve() if path.name in ("", "..") else path)
 
 
 def _as_several(path: Named, expected: Sequence[str]) -> str:
@@ -209,6 +221,7 @@ def _streams_of_several(
     parts = [(sensor, file) for sensor, file in parts if sensor != CLOCK]
     each = map_path is not None or clock == OWN_CLOCK
     streams = [] if each else _streams_of_one_receiver(parts, asked, clock)
+    files = [(stream.source, False) for stream in streams]
     forms = [XSENS] if streams else []
     joined = {stream.source for stream in streams}
     for sensor, part in parts:
@@ -223,15 +236,50 @@ def _streams_of_several(
             name = sensor or (stream.label if are_named else "")
             name = name or _name_of(as_path(file), stream.label)
             streams.append(stream.called(name, clock=name if clock == OWN_CLOCK else None))
-            if form == XSENS and not are_named and clock == SAME_CLOCK and len(parts) > 1:
+            of_xsens = form == XSENS and not are_named
+            files.append((file, not of_xsens and _from_own_start(stream)))
+            if of_xsens and clock == SAME_CLOCK and len(parts) > 1:
                 said = f"{stream.source}: its times count from its own first packet"
                 streams[-1] = replace(streams[-1], warnings=(*stream.warnings, said))
     if clock is not None and len(streams) == 1:
         said = f"{parts[0][1]}: {CLOCK}={clock} has no effect: there is one sensor only"
         streams[0] = replace(streams[0], warnings=(*streams[0].warnings, said))
     if clock == SAME_CLOCK:
-        streams = [replace(stream, clock=BELIEVED) for stream in streams]
+        streams = [replace(stream, clock=BELIEVED) for stream in _begun(streams, files)]
     return ", ".join(dict.fromkeys(forms)), tuple(streams), True
+
+
+def _begun(streams: Sequence[Stream], files: Sequence[tuple[str, bool]]) -> Sequence[Stream]:
+    """Streams whose times count from one moment, by the times of day in their files if all tell.
+
+    Where not all do, a warning names those whose times count from their file's start.
+    """
+    if len({file for file, _ in files}) < 2:
+        return streams
+    epochs = [stream.epoch_s for stream in streams if stream.epoch_s is not None]
+    if len(epochs) == len(streams):
+        later = [float(stream.epoch_s or 0.0) - min(epochs) for stream in streams]
+        told = ", ".join(f"{s.label} {t:+.3f} s" for s, t in zip(streams, later, strict=True))
+        said = f"begins by the times of day in the files: {told}"
+        streams = [
+            replace(stream, time_s=stream.time_s + shift)
+            for stream, shift in zip(streams, later, strict=True)
+        ]
+    else:
+        own = [stream.label for stream, (_, is_own) in zip(streams, files, strict=True) if is_own]
+        if not own:
+            return streams
+        said = (
+            f"times of {listed(own)} count from their file's start; did the files begin together?"
+        )
+    said = f"{CLOCK}={SAME_CLOCK}: {said}"
+    return [replace(streams[0], warnings=(*streams[0].warnings, said)), *streams[1:]]
+
+
+def _from_own_start(stream: Stream) -> bool:
+    """Whether times count from the begin of a stream's own file."""
+    step = float(np.median(np.diff(stream.time_s))) if len(stream) > 1 else 0.0
+    return stream.epoch_s is not None or abs(float(stream.time_s[0])) <= 2 * step
 
 
 def _the_one(found: Sequence[Stream], sensor: str, file: str, label: str | None) -> Stream:
@@ -261,7 +309,7 @@ def _streams_of_one_receiver(
             _is_there(file)
             and not is_session(file)
             and file.is_file()
-            and is_xsens_mt(_first_line(file))
+            and is_xsens_mt(first_line(file))
         ):
             name = sensor or _name_of(file, "")
             if name in names:
@@ -287,24 +335,27 @@ def _streams_of_one_receiver(
 def _name_of(file: Path, label: str) -> str:
     """Sensor that a label or a file's name tells, or one of these as a name."""
     plain = re.sub(r"\W+", "_", label or file.stem).strip("_")
-    return _by_words(label) or _by_words(file.stem) or plain or "sensor"
+    return by_words(label) or by_words(file.stem) or plain or "sensor"
 
 
 def _streams_of_one(
     whole: Path, asked: Asked, map_path: str | Path | None
 ) -> tuple[str, tuple[Stream, ...], bool]:
     """Format and sensors of one file, session or prefix, and whether these bear our names."""
+    no_session: InputError | None = None
     if map_path is not None:
         return "mapped CSV", read_mapped(read_text(whole), str(whole), map_path), True
     if not _is_there(whole):
         if is_session(whole):
-            return (*read_session(whole, asked), False)
-        parts = _xsens_parts(whole)
+            try:
+                return (*read_session(whole, asked), False)
+            except NoSession as error:  # the exports may lie beside a folder of the same name
+                no_session = error
+        parts = xsens_parts(whole, strict=no_session is None)
         if parts:
-            exports = {
-                name: parse_export(read_text(file), str(file)) for name, file in parts.items()
-            }
-            return XSENS, join_exports(exports, asked), True
+            return XSENS, of_one_prefix(whole, parts, asked), True
+        if no_session is not None:
+            raise InputError(f"{no_session}{exports_in(whole)}")
         what = "is a folder" if _is_folder(whole) else "no such file"
         raise InputError(f"{whole}: {what}, and no Xsens exports whose names begin like this")
     if is_session(whole):
@@ -318,11 +369,26 @@ def _several(path: Named) -> list[tuple[str, str]]:
     """Sensors and files where several are given; empty where it is one."""
     text = _text(path)
     if isinstance(path, list | tuple):
-        return _pairs([str(part) for part in path], loose=True)
+        return _pairs([piece for part in path for piece in _pieces(str(part))], loose=True)
     whole = as_path(text)
     if _is_there(whole) or is_session(whole):
         return []
-    return _pairs(text.split(","), loose=f",{CLOCK}=" in text)
+    pair = re.fullmatch(PAIR, text)
+    if pair and _is_there(Path(pair[2])):  # a comma may be in the file's name
+        return _pairs([text])
+    parts = [part.strip() for part in text.split(",")]
+    named = [part for part in parts if part]
+    return _pairs(named if len(named) > 1 else parts, loose=f",{CLOCK}=" in "".join(text.split()))
+
+
+def _pieces(part: str) -> list[str]:
+    """A part of a list; more where commas in it part sensors, as in ``lever=a.csv,``."""
+    pieces = [piece.strip() for piece in part.split(",") if piece.strip()]
+    pairs = [re.fullmatch(PAIR, piece) for piece in pieces]
+    whole = re.fullmatch(PAIR, part)
+    if not pairs or not all(pairs) or _is_there(Path(whole[2] if whole else part)):
+        return [part]
+    return pieces
 
 
 def _pairs(parts: Sequence[str], *, loose: bool = False) -> list[tuple[str, str]]:
@@ -330,7 +396,7 @@ def _pairs(parts: Sequence[str], *, loose: bool = False) -> list[tuple[str, str]
 
     Where that is loose, a part may be a file alone.
     """
-    found = [re.fullmatch(r"(\w+)=(.+)", part) for part in parts]
+    found = [re.fullmatch(PAIR, part) for part in parts]
     if not (loose or (all(found) and len(parts) <= MOST_SENSORS)):
         return []
     if len(parts) > MOST_SENSORS:
@@ -364,7 +430,7 @@ def _named(
     streams: Sequence[Stream], expected: Sequence[str], source: str, *, are_named: bool
 ) -> tuple[dict[str, Stream], tuple[str, ...]]:
     """Sensors under the names that the devices' commands know."""
-    names: list[str | None] = [s.label if are_named else _by_words(s.label) for s in streams]
+    names: list[str | None] = [s.label if are_named else by_words(s.label) for s in streams]
     said = []
     if len(streams) == 1 and not are_named and len(expected) <= 1:
         ours = expected[0] if expected else names[0] or "frame"
@@ -408,13 +474,6 @@ def _named(
     return {str(name): stream for name, stream in zip(names, streams, strict=True)}, tuple(said)
 
 
-def _by_words(label: str) -> str | None:
-    """Sensor that a label names by one of the known words."""
-    lower = label.lower()
-    found = [name for name, words in SENSOR_WORDS.items() if any(word in lower for word in words)]
-    return found[0] if len(found) == 1 else None
-
-
 def recording_files(path: str | Path | Sequence[str | Path]) -> list[Path]:
     """Files that :func:`read_recording` opens for a name.
 
@@ -437,8 +496,8 @@ def recording_files(path: str | Path | Sequence[str | Path]) -> list[Path]:
         ]
     whole = as_path(_text(path))
     if is_session(whole):
-        return session_files(whole)
-    return [whole] if _is_there(whole) else list(_xsens_parts(whole).values())
+        return [*session_files(whole), *xsens_parts(whole, strict=False).values()]
+    return [whole] if _is_there(whole) else list(xsens_parts(whole).values())
 
 
 def _is_there(path: Path) -> bool:
@@ -454,37 +513,3 @@ def _is_folder(path: Path) -> bool:
         return path.is_dir()
     except (OSError, ValueError):
         return False
-
-
-def _xsens_parts(prefix: Path) -> dict[str, Path]:
-    """Text exports whose names begin like this, by the sensor that the rest of the name tells."""
-    try:
-        if not prefix.parent.is_dir() or not prefix.name:
-            return {}
-        exports = sorted(prefix.parent.glob("*.txt"))
-    except (OSError, ValueError):
-        return {}
-    begin_alike = [p for p in exports if p.stem.startswith(prefix.name)]
-    parts: dict[str, Path] = {}
-    for path in begin_alike:
-        sensor = _by_words(path.stem[len(prefix.name) :])
-        if sensor is None:
-            continue
-        if sensor in parts:
-            raise InputError(
-                f"{prefix}: two files for the {sensor} sensor, {parts[sensor].name} and "
-                f"{path.name}; give them as {','.join(f'{name}=FILE' for name in DEVICES[0])}"
-            )
-        parts[sensor] = path
-    if not parts and len(begin_alike) == 1 and is_xsens_mt(_first_line(begin_alike[0])):
-        return {"frame": begin_alike[0]}
-    if not parts and begin_alike:
-        raise InputError(
-            f"{prefix}: {listed(p.name for p in begin_alike)} begin like this; give them as "
-            f"{','.join(f'{name}=FILE' for name in DEVICES[0])}"
-        )
-    return parts
-
-
-def _first_line(path: Path) -> str:
-    return read_text(path).partition("\n")[0]

@@ -2,7 +2,8 @@
 
 ``Accelerometer.csv`` holds no gravity. Android writes the specific force into
 ``TotalAcceleration.csv``; iOS reads it with the opposite sign, as the sum of ``Accelerometer.csv``
-and ``Gravity.csv``.
+and ``Gravity.csv``. With the setting "Standardise Units & Frames" (from version 1.29), iOS writes
+signs and units of Android; ``Metadata.csv`` states it as ``standardisation``.
 """
 
 from __future__ import annotations
@@ -20,7 +21,10 @@ from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
-ELAPSED = "seconds_elapsed"
+ELAPSED, EPOCH_NS = "seconds_elapsed", "time"
+STANDARDISED = "Standardise Units & Frames"
+EXACT_S = 0.01
+"""To this the time of day and the seconds of all rows of a file agree, if no digits were lost."""
 USED = ("TotalAcceleration", "Accelerometer", "AccelerometerUncalibrated", "Gravity", "Gyroscope")
 
 
@@ -76,39 +80,38 @@ def read_sensor_logger(files: Mapping[str, str], source: str, asked: Asked) -> t
     InputError
         If the platform is not stated, or no file holds accelerations with gravity.
     """
-    platform = _platform(files, source)
+    platform, like_android = _platform(files, source)
     halves = {name: _half(files[name], f"{source}/{name}.csv") for name in USED if name in files}
-    said: tuple[str, ...] = ()
     if "TotalAcceleration" in halves:
         acc = halves["TotalAcceleration"]
-        sign = 1.0
     elif platform == "ios" and {"Accelerometer", "Gravity"} <= set(halves):
         moved, gravity = halves["Accelerometer"], halves["Gravity"]
-        if len(moved.time_s) != len(gravity.time_s) or not np.array_equal(
-            moved.time_s, gravity.time_s
-        ):
+        if not np.array_equal(moved.time_s, gravity.time_s):
             raise InputError(f"{source}: Accelerometer.csv and Gravity.csv have different times")
         acc = Half(moved.time_s, moved.values + gravity.values, moved.source)
-        sign = -1.0
     elif "AccelerometerUncalibrated" in halves:
         acc = halves["AccelerometerUncalibrated"]
-        if platform == "ios":
+        if not like_android:
             acc = acc._replace(values=acc.values * STANDARD_GRAVITY_MPS2)
-        sign = -1.0 if platform == "ios" else 1.0
     else:
         raise InputError(
             f"{source}: no accelerations with gravity; record TotalAcceleration (Android), or "
             "Accelerometer and Gravity (iOS), in Sensor Logger"
         )
-    if platform == "ios" and "TotalAcceleration" in halves:
-        sign = -1.0
-    if sign < 0:
+    said: tuple[str, ...] = ()
+    if not like_android:
         said = (f"{source}: signs of the accelerations reversed (iOS reads -1 g upward)",)
-    acc = acc._replace(values=sign * acc.values)
-    return (join_halves(acc, halves.get("Gyroscope"), source, warnings=said),)
+        acc = acc._replace(values=-acc.values)
+    elif platform == "ios":
+        said = (
+            f"{source}: signs of the accelerations kept: iOS with {STANDARDISED} has Android's",
+        )
+    begun = next(_epoch(files[name]) for name in USED if name in files)
+    return (join_halves(acc, halves.get("Gyroscope"), source, warnings=said, epoch_s=begun),)
 
 
-def _platform(files: Mapping[str, str], source: str) -> str:
+def _platform(files: Mapping[str, str], source: str) -> tuple[str, bool]:
+    """Platform, and whether signs and units are Android's."""
     if "Metadata" not in files:
         raise InputError(
             f"{source}: no Metadata.csv, which states the platform: Android and iOS have opposite "
@@ -121,7 +124,31 @@ def _platform(files: Mapping[str, str], source: str) -> str:
         raise InputError(
             f"{source}/Metadata.csv: platform '{quoted(platform)}', expected android or ios"
         )
-    return platform
+    standardised = told.get("standardisation", "").strip().lower()
+    if standardised not in ("", "false", "true"):
+        raise InputError(
+            f"{source}/Metadata.csv: standardisation '{quoted(standardised)}', expected true or "
+            "false"
+        )
+    return platform, platform == "android" or standardised == "true"
+
+
+def _epoch(text: str) -> float | None:
+    """Time of day, s, at which the seconds of a file begin; None if it is not told exactly."""
+    layout = find_layout(text, "")
+    if EPOCH_NS not in layout.names or ELAPSED not in layout.names:
+        return None
+    begins = []
+    for row in (layout.body.lstrip().partition("\n")[0], layout.body.rstrip().rpartition("\n")[2]):
+        cells = [cell.replace(",", ".") for cell in split_row(row, layout.separator)]
+        cells = cells[layout.indexed :]
+        try:
+            now, elapsed = (float(cells[layout.names.index(n)]) for n in (EPOCH_NS, ELAPSED))
+        except (ValueError, IndexError):
+            return None
+        begins.append(1e-9 * now - elapsed)
+    # A spreadsheet keeps fifteen digits, or fewer.
+    return begins[0] if abs(begins[1] - begins[0]) < EXACT_S else None
 
 
 def _half(text: str, source: str) -> Half:

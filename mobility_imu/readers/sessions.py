@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path, PurePosixPath
 
 from mobility_imu.errors import InputError
-from mobility_imu.readers.phyphox import is_phyphox, read_phyphox
+from mobility_imu.readers.phyphox import EVENTS, is_phyphox, read_phyphox
 from mobility_imu.readers.sensor_logger import is_sensor_logger, read_sensor_logger
 from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import decoded, read_text
@@ -18,6 +18,14 @@ LARGEST_MEMBER = 500_000_000
 """Bytes of one file in an archive; more is no recording."""
 MOST_FILES = 200
 XIO_FILES = ("sensors.csv", "Inertial.csv")
+PHONES = {
+    "Sensor Logger": (is_sensor_logger, read_sensor_logger),
+    "phyphox": (is_phyphox, read_phyphox),
+}
+
+
+class NoSession(InputError):
+    """A folder or archive without anything that is known as a session."""
 
 
 def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
@@ -39,7 +47,7 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
     Raises
     ------
     InputError
-        If it is no such session.
+        If it is no such session, or holds several recordings.
     """
     names, read = _opened(path)
     texts: dict[str, str] = {}
@@ -50,6 +58,27 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
         return texts[name]
 
     inertial = [n for n in names if PurePosixPath(n).name in XIO_FILES and is_xio(_head(text(n)))]
+    recordings = [("x-io", session) for session in _xio_sessions(inertial)]
+    of_xio = {PurePosixPath(name).parent for name in inertial}
+    folders: dict[PurePosixPath, list[str]] = {}
+    for name in names:
+        folder = PurePosixPath(name).parent
+        if name.lower().endswith(".csv") and folder not in of_xio:
+            folders.setdefault(folder, []).append(name)
+    if sum(map(len, folders.values())) > MOST_FILES:
+        raise InputError(
+            f"{path}: {sum(map(len, folders.values()))} files; expected the folder of one recording"
+        )
+    for folder, tables in folders.items():
+        heads = [_head(_or_empty(text, name)) for name in tables]
+        known = [form for form, (begins, _) in PHONES.items() if any(map(begins, heads))]
+        recordings += [(form, folder) for form in known[:1]]
+    if len(recordings) > 1:
+        found = listed(f"{folder} ({form})" for form, folder in recordings)
+        raise InputError(
+            f"{path}: holds {len(recordings)} recordings: {found}; give one of these folders by "
+            "itself, with no other recording in it"
+        )
     if inertial:
         streams = []
         for name in inertial:
@@ -57,32 +86,40 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
             (stream,) = read_xio(text(name), f"{path.name}/{name}", asked)
             streams.append(stream.called(label))
         return "x-io session", tuple(streams)
-    tables = {PurePosixPath(n).stem: n for n in names if n.lower().endswith(".csv")}
-    if len(tables) > MOST_FILES:
-        raise InputError(f"{path}: {len(tables)} files; expected the folder of one recording")
-    for form, begins, reader in (
-        ("Sensor Logger", is_sensor_logger, read_sensor_logger),
-        ("phyphox", is_phyphox, read_phyphox),
-    ):
-        known = [stem for stem, name in tables.items() if begins(_head(_or_empty(text, name)))]
-        if known:
-            files = {stem: _or_empty(text, name) for stem, name in tables.items()}
-            return form, reader({k: v for k, v in files.items() if v.strip()}, path.name, asked)
-    raise InputError(
+    if recordings:
+        form, folder = recordings[0]
+        files = {PurePosixPath(name).stem: _or_empty(text, name) for name in folders[folder]}
+        events = folder / f"{EVENTS}.csv"
+        files |= {EVENTS: _or_empty(text, str(events))} if str(events) in names else {}
+        read_phone = PHONES[form][1]
+        return form, read_phone({k: v for k, v in files.items() if v.strip()}, path.name, asked)
+    held = sorted(names) or [f"{p.name}/" for p in sorted(path.glob("*/"))]
+    raise NoSession(
         f"{path}: is a folder or archive without a session that is known (x-io, Sensor Logger, "
-        f"phyphox); it holds {listed(sorted(names)) or 'nothing'}"
+        f"phyphox); it holds {listed(held) or 'nothing'}"
     )
+
+
+def _xio_sessions(inertial: list[str]) -> list[PurePosixPath]:
+    """Folders of the sessions of x-io's files: each sensor's folder lies in its session's."""
+    sensors = {PurePosixPath(name).parent for name in inertial}
+    sessions = set()
+    for folder in sensors:
+        # A sensor's folder within another's is a recording of its own.
+        nested = any(folder in other.parents or other in folder.parents for other in sensors)
+        sessions.add(folder if nested else folder.parent)
+    return sorted(sessions)
 
 
 def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
     """Names of the files of a session, and a function that reads one."""
     if path.is_dir():
-        files = [p for p in sorted([*path.glob("*"), *path.glob("*/*")]) if p.is_file()]
-        names = [p.relative_to(path).as_posix() for p in files]
-        return names, lambda name: read_text(path / name)
+        names = [p.relative_to(path).as_posix() for p in session_files(path)]
+        return [name for name in names if not _is_hidden(name)], lambda name: read_text(path / name)
     try:
         with zipfile.ZipFile(path) as archive:
             names = [i.filename for i in archive.infolist() if not i.is_dir()]
+            names = [name for name in names if not _is_hidden(name)]
     except (OSError, zipfile.BadZipFile, NotImplementedError) as error:
         raise InputError(f"{path}: cannot be opened as an archive ({error})") from None
 
@@ -96,6 +133,11 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
             raise InputError(f"{path}/{quoted(name)}: cannot be read ({error})") from None
 
     return names, member
+
+
+def _is_hidden(name: str) -> bool:
+    """Whether a file belongs to the computer it was on, as those that macOS packs with others."""
+    return any(part.startswith(".") or part == "__MACOSX" for part in PurePosixPath(name).parts)
 
 
 def _or_empty(text: Callable[[str], str], name: str) -> str:
@@ -140,7 +182,8 @@ def session_files(path: Path) -> list[Path]:
     """
     if not path.is_dir():
         return [path]
-    return [p for p in sorted([*path.glob("*"), *path.glob("*/*")]) if p.is_file()]
+    found = [*path.glob("*"), *path.glob("*/*"), *path.glob(f"*/{EVENTS}.csv")]
+    return [p for p in sorted(found) if p.is_file()]
 
 
-__all__ = ["is_session", "read_session", "session_files"]
+__all__ = ["NoSession", "is_session", "read_session", "session_files"]

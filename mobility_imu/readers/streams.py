@@ -39,6 +39,9 @@ class Stream(Result):
     counted : whether the times count samples, so that every step longer than one is a loss
     clock : which clock the stamps come from; streams with the same name here share one.
         :data:`BELIEVED` if the user says that they do
+    epoch_s : s, what is added to the times for a clock that other files share, such as the wall
+        clock; None if the file does not tell it
+    gap_why : why the times have a gap that the file's own stamps do not show
 
     Raises
     ------
@@ -56,6 +59,8 @@ class Stream(Result):
     counted: bool = field(default=False, kw_only=True)
     clock: str = field(default="", kw_only=True)
     file_label: str | None = field(default=None, kw_only=True)
+    epoch_s: float | None = field(default=None, kw_only=True)
+    gap_why: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
         """Check shapes and numbers."""

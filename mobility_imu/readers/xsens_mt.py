@@ -11,7 +11,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.clocks import check_rate
+from mobility_imu.readers.clocks import LONG_END_S, check_rate
 from mobility_imu.readers.layout import find_layout
 from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import parse_numbers
@@ -28,8 +28,6 @@ TICK_RANGE = 2**32
 COUNTERS = ("PacketCounter", "Counter")
 QUANTITIES = {"Acc": "acc", "Gyr": "gyr"}
 MOST_COMMENTS = 100
-LONG_END_S = 1.0
-"""Sensors start and stop within this; more that one sensor does not have is worth a warning."""
 BY_CHANCE = 0.05
 """Two counters that have nothing to do with each other begin as near as that one time in twenty.
 The packets that files share do not tell: counters of long files overlap wherever they begin."""

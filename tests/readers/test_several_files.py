@@ -259,4 +259,5 @@ def test_nothing_is_said_of_a_recording_in_order(tmp_path):
     recording = made(("lever", "body"))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        read_recording([*apart(recording, tmp_path), "clock=same"])
+        files = apart(recording, tmp_path, {"lever": 100.0, "body": 100.0})
+        read_recording([*files, "clock=same"])

@@ -1,0 +1,140 @@
+"""``clock=same`` for files whose times each count from their own start."""
+
+import dialects
+import numpy as np
+import pytest
+from test_dialects import RATE_HZ, made, quietly
+
+from mobility_imu.errors import InputError
+from mobility_imu.readers.actigraph import read_actigraph
+from mobility_imu.readers.recordings import understand
+from mobility_imu.readers.sensor_logger import read_sensor_logger
+from mobility_imu.readers.streams import Asked
+from mobility_imu.recording import Recording
+
+LATE_S = 2.0
+
+
+def of(recording, name, begin=0):
+    """One sensor from some sample on, its times from 0."""
+    imu = recording.sensor(name)
+    rows = slice(begin, None)
+    return Recording(
+        recording.time_s[: len(recording) - begin],
+        {name: type(imu)(imu.acc_mps2[rows], imu.gyr_radps[rows])},
+        source=name,
+    )
+
+
+def changed(file, old, new):
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new))
+
+
+def phones(recording, folder):
+    for k, name in enumerate(recording.sensors):
+        (folder / name).mkdir()
+        phone = dialects.sensor_logger(of(recording, name, 200 * k), folder / name)
+        for file in phone.glob("*.csv") if k else ():
+            lines = file.read_text().split("\n")
+            rows = [line.split(",") for line in lines[1:]]
+            if lines[0].startswith("time,"):
+                rows = [[str(int(row[0]) + int(LATE_S * 1e9)), *row[1:]] for row in rows]
+                file.write_text("\n".join([lines[0], *map(",".join, rows)]))
+        yield f"{name}={phone}"
+
+
+def actigraphs(recording, folder):
+    for k, name in enumerate(recording.sensors):
+        (folder / name).mkdir()
+        file = dialects.actigraph(of(recording, name, 200 * k), folder / name)
+        if k:
+            changed(file, "T08:58:0", "T08:59:0")
+            changed(file, "T08:59:0", "T08:58:0")
+            lines = file.read_text().split("\n")
+            for row in range(11, len(lines)):
+                lines[row] = lines[row].replace("T08:58:01", "T08:58:03")
+                lines[row] = lines[row].replace("T08:58:00", "T08:58:02")
+            file.write_text("\n".join(lines))
+        yield f"{name}={file}"
+
+
+def experiments(recording, folder):
+    for k, name in enumerate(recording.sensors):
+        (folder / name).mkdir()
+        phone = dialects.phyphox(of(recording, name, 200 * k), folder / name)
+        (phone / "meta" / "time.csv").write_text(
+            f'"event","experiment time","system time"\n"START",0,{1715100946.5 + LATE_S * k}\n'
+        )
+        yield f"{name}={phone}"
+
+
+@pytest.mark.parametrize("write", [phones, actigraphs, experiments])
+def test_times_of_day_in_the_files_say_which_began_later(tmp_path, write):
+    recording = made(("lever", "body"), count=1000)
+    found = understand([*write(recording, tmp_path), "clock=same"])
+    assert any("lever +0.000 s, body +2.000 s" in w for w in found.warnings)
+    lever, body = (found.recording.sensor(n).acc_mps2 for n in ("lever", "body"))
+    count = len(lever)
+    assert count == pytest.approx(800, abs=2)
+    np.testing.assert_allclose(lever, recording.sensor("lever").acc_mps2[200:][:count], atol=2e-3)
+    np.testing.assert_allclose(body, recording.sensor("body").acc_mps2[200:][:count], atol=2e-3)
+
+
+def test_files_of_different_hours_share_no_time(tmp_path):
+    parts = list(actigraphs(made(("lever", "body"), count=1000), tmp_path))
+    changed(tmp_path / "body" / "actigraph.csv", "T08:58:", "T09:30:")
+    with pytest.raises(InputError, match="share no time"):
+        quietly([*parts, "clock=same"])
+
+
+def test_the_head_tells_the_start_where_no_row_does(tmp_path):
+    file = dialects.actigraph(made(), tmp_path)
+    (stream,) = read_actigraph(file.read_text(), "a.csv", Asked())
+    assert stream.epoch_s == 1550134680  # 2019-02-14 08:58:00
+    head, rest = file.read_text().split("Timestamp,")
+    table = "\n".join(row.partition(",")[2] for row in rest.split("\n"))
+    table = "Accelerometer X,Accelerometer Y,Accelerometer Z\n" + "\n".join(
+        ",".join(row.split(",")[:3]) for row in table.split("\n")[1:] if row
+    )
+    for order, date, epoch_s in (
+        ("M/d/yyyy", "2/14/2019", 1550134680),
+        ("dd.MM.yyyy", "14.02.2019", 1550134680),
+        ("yyyy-MM-dd", "2019-02-14", 1550134680),
+        ("M/d/yyyy", "14/2/2019", None),
+        ("unknown", "2/14/2019", None),
+    ):
+        text = head.replace("M/d/yyyy", order).replace("2/14/2019", date) + table
+        (stream,) = read_actigraph(text, "a.csv", Asked())
+        assert stream.epoch_s == epoch_s
+
+
+def test_a_time_of_day_that_a_spreadsheet_rounded_is_none(tmp_path):
+    folder = dialects.sensor_logger(made(), tmp_path)
+    files = {file.stem: file.read_text() for file in folder.glob("*.csv") if file.read_text()}
+    (stream,) = read_sensor_logger(files, "phone", Asked())
+    assert stream.epoch_s == pytest.approx(1_713_800_421, abs=1e-3)
+    rows = files["TotalAcceleration"].split("\n")
+    rounded = ["1.7138E+18," + row.partition(",")[2] for row in rows[1:]]
+    files["TotalAcceleration"] = "\n".join([rows[0], *rounded])
+    assert read_sensor_logger(files, "phone", Asked())[0].epoch_s is None
+    files["TotalAcceleration"] = files["TotalAcceleration"].replace("1.7138E+18", "x")
+    assert read_sensor_logger(files, "phone", Asked())[0].epoch_s is None
+
+
+def test_files_from_their_own_start_are_named_where_not_all_tell_the_time_of_day(tmp_path):
+    recording = made(("lever", "body"))
+    lever = dialects.canonical(of(recording, "lever"), tmp_path)
+    (tmp_path / "body").mkdir()
+    body = dialects.sensor_logger(of(recording, "body"), tmp_path / "body")
+    found = understand([f"lever={lever}", f"body={body}", "clock=same"])
+    (said,) = [w for w in found.warnings if "began" in w or "begin" in w]
+    assert said.startswith("clock=same: times of lever, body count from their file's start; did")
+
+
+def test_two_sensors_of_one_file_began_together(tmp_path):
+    path = dialects.lpms(made(("lever", "body")), tmp_path)
+    found = understand([f"lever={path}#1", f"body={path}#2", "clock=same"])
+    assert not any("begin" in w for w in found.warnings)
+    assert RATE_HZ == pytest.approx(found.recording.sampling_rate_hz)
