@@ -53,9 +53,10 @@ def read(
     )
     warn(found.warnings)
     warn(fault.sentence for fault in examine(found.recording))
+    text = reading_text(found)
     if output is not None:
         outputs.write({output: csv_bytes(found.recording.to_frame(), output)})
-    typer.echo(reading_text(found))
+    typer.echo(text)
     said = [read_line(found.recording)] if output is None else [written_line([output])]
     summarize(said, quiet)
 
@@ -84,7 +85,7 @@ def reading_text(found: Reading) -> str:
         f"samples   {len(recording)}, {length:.2f} s; steps of {1e3 * step.min():.3g} to "
         f"{1e3 * step.max():.3g} ms",
     ]
-    offsets = rest_offsets(recording, tuple(recording.sensors))
+    offsets = rest_offsets(recording)
     for name, imu in recording.sensors.items():
         norm = np.linalg.norm(imu.acc_mps2, axis=1)
         label = found.labels.get(name, "")
