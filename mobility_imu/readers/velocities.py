@@ -158,9 +158,12 @@ def _clock_unit(name: str, source: str) -> float:
 
 
 def _check_given_rate(given_hz: float | None, found_hz: float, source: str) -> None:
-    if given_hz is not None and abs(given_hz - found_hz) > LARGEST_DIFFERENCE * found_hz:
+    if given_hz is None:
+        return
+    given_hz = check_rate(given_hz, source)
+    if abs(given_hz - found_hz) > LARGEST_DIFFERENCE * found_hz:
         raise InputError(
-            f"{source}: its time column has {found_hz:g} Hz, but {shown(given_hz)} Hz is given "
+            f"{source}: its time column has {found_hz:g} Hz, but {given_hz:g} Hz is given "
             "(--sampling-rate-hz, or freqAcq of the settings); leave it out, or correct the column"
         )
 

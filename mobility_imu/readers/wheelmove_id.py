@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.streams import GIVEN, Asked, Stream
 from mobility_imu.readers.table import parse_numbers
 
 SENSORS = {"Chassis": "frame", "RoueGauche": "left_wheel", "RoueDroite": "right_wheel"}
@@ -52,7 +52,7 @@ def read_wheelmove_id(text: str, source: str, asked: Asked) -> tuple[Stream, ...
             table.columns([f"{theirs}_Gyr_{axis}" for axis in "XYZ"]),
             source=source,
             label=ours,
-            rate_from="given",
+            rate_from=GIVEN,
             counted=True,
         )
         for theirs, ours in SENSORS.items()

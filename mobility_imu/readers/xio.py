@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mobility_imu.readers.streams import Asked, Stream, stream_in_g_and_degrees
+from mobility_imu.readers.streams import GIVEN, Asked, Stream, stream_in_g_and_degrees
 from mobility_imu.readers.table import parse_numbers
 
 ACCELEROMETER = [f"Accelerometer {axis} (g)" for axis in "XYZ"]
@@ -61,6 +61,6 @@ def read_xio(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     found = stream_in_g_and_degrees(table, time_s, ACCELEROMETER, GYROSCOPE)
     return (
         Stream(
-            time_s, found.acc_mps2, found.gyr_radps, source=source, rate_from="given", counted=True
+            time_s, found.acc_mps2, found.gyr_radps, source=source, rate_from=GIVEN, counted=True
         ),
     )
