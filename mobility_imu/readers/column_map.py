@@ -18,6 +18,7 @@ names has ``names = ["t", "ax", ...]`` at the top level of the map.
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
@@ -28,6 +29,8 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.clocks import check_rate
+from mobility_imu.readers.json_samples import json_table
+from mobility_imu.readers.layout import SEPARATORS, split_row
 from mobility_imu.readers.streams import Stream, factor
 from mobility_imu.readers.table import NumberTable, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
@@ -58,18 +61,6 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
     """
     plan = _plan(map_path)
     clock, sensors = plan["clock"], plan["sensors"]
-    first = _whole(clock.get("first_row", 1), f"{map_path}, [clock] first_row")
-    lines = text.split("\n", first - 1)
-    if len(lines) < first:
-        raise InputError(f"{source}: has no line {first}, where {map_path} expects the names")
-    body = lines[first - 1]
-    if "names" in plan:
-        names = plan["names"]
-        if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
-            raise InputError(f"{map_path}: names must be a list of texts")
-        separator = max("\t;,", key=body.partition("\n")[0].count)
-        body = separator.join(names) + "\n" + body
-        first -= 1
     read = {
         name.lstrip("-")
         for sensor in sensors.values()
@@ -78,7 +69,7 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
     }
     if "column" in clock:
         read.add(clock["column"])
-    table = parse_numbers(body, source=source, first_line=first, wanted=read.__contains__)
+    table = _table(text, source, plan, read, map_path)
     time_s, rate_from = _times(table, clock, map_path)
     streams = []
     for name, sensor in sensors.items():
@@ -95,6 +86,40 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
             )
         )  # fmt: skip
     return tuple(streams)
+
+
+def _table(
+    text: str, source: str, plan: dict[str, Any], read: set[str], map_path: str | Path
+) -> NumberTable:
+    """Columns that a map names; a JSON array of objects has its values under their keys."""
+    clock = plan["clock"]
+    if re.match(r"\s*\[\s*\{", text):
+        if "names" in plan or "first_row" in clock:
+            raise InputError(f"{map_path}: names and first_row are for tables; {source} is JSON")
+        return json_table(text, source, sorted(read, key=str))
+    first = _whole(clock.get("first_row", 1), f"{map_path}, [clock] first_row")
+    lines = text.split("\n", first - 1)
+    if len(lines) < first:
+        raise InputError(f"{source}: has no line {first}, where {map_path} expects the names")
+    body = lines[first - 1]
+    if "names" in plan:
+        names = plan["names"]
+        if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
+            raise InputError(f"{map_path}: names must be a list of texts")
+        separator = _separator(body, len(names))
+        body = separator.join(names) + "\n" + body
+        first -= 1
+    return parse_numbers(body, source=source, first_line=first, wanted=read.__contains__)
+
+
+def _separator(body: str, count: int) -> str:
+    """Separator of a table without names: the one that makes the expected number of cells.
+
+    The mark that stands most often may be the decimal comma.
+    """
+    line = body.lstrip("\r\n").partition("\n")[0].strip("\r")
+    fits = [sep for sep in SEPARATORS if len(split_row(line.rstrip(sep), sep)) == count]
+    return fits[0] if fits else max(SEPARATORS, key=line.count)
 
 
 def _plan(path: str | Path) -> dict[str, Any]:
