@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from mobility_imu.errors import InputError
-from mobility_imu.readers.layout import split_row
+from mobility_imu.readers.layout import comma_separated, split_row
 from mobility_imu.readers.streams import Asked, Stream, factor
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import quoted
@@ -57,6 +57,7 @@ def read_apdm(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     InputError
         If a column is missing, its unit is not known, or a cell is no number.
     """
+    text = comma_separated(text)
     return _format_7(text, source) if text.startswith("Format=7") else _table(text, source)
 
 

@@ -32,7 +32,7 @@ from mobility_imu.readers.clocks import check_rate
 from mobility_imu.readers.json_samples import json_table
 from mobility_imu.readers.layout import SEPARATORS, split_row
 from mobility_imu.readers.streams import Stream, factor
-from mobility_imu.readers.table import NumberTable, parse_numbers, read_text
+from mobility_imu.readers.table import MEND_ROW, NumberTable, check_finite, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
 
 CLOCK_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -57,7 +57,7 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
     ------
     InputError
         If the map misses something or has an unknown key, a column is not there, or a cell of it
-        is no number.
+        is no finite number.
     """
     plan = _plan(map_path)
     clock, sensors = plan["clock"], plan["sensors"]
@@ -106,10 +106,28 @@ def _table(
         names = plan["names"]
         if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
             raise InputError(f"{map_path}: names must be a list of texts")
+        body = _with_tabs(body, len(names))
         separator = _separator(body, len(names))
         body = separator.join(names) + "\n" + body
         first -= 1
-    return parse_numbers(body, source=source, first_line=first, wanted=read.__contains__)
+    else:
+        body = _with_tabs(body)
+    table = parse_numbers(body, source=source, first_line=first, wanted=read.__contains__)
+    check_finite(table, range(len(table.header)), body, first, advice=MEND_ROW)
+    return table
+
+
+def _with_tabs(body: str, count: int | None = None) -> str:
+    """Table whose cells are separated by blanks alone, with tabs in their place.
+
+    Commas may then be decimal commas: the number of columns tells, if it is known.
+    """
+    line = body.lstrip().partition("\n")[0]
+    cells = len(line.split())
+    by_comma = "," in line and (cells != count or len(split_row(line, ",")) == count)
+    if by_comma or any(sep in line for sep in "\t;") or cells < 2:
+        return body
+    return "\n".join("\t".join(row.split()) for row in body.split("\n"))
 
 
 def _separator(body: str, count: int) -> str:

@@ -15,7 +15,7 @@ from mobility_imu.readers.clocks import check_fill, check_rate, one_clock
 from mobility_imu.readers.column_map import read_mapped
 from mobility_imu.readers.formats import find_format
 from mobility_imu.readers.sessions import is_session, read_session, session_files
-from mobility_imu.readers.streams import BELIEVED, Asked, Stream, held_warnings
+from mobility_imu.readers.streams import BELIEVED, Asked, Stream
 from mobility_imu.readers.table import read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.readers.xsens_mt import (
@@ -155,7 +155,7 @@ def understand(
     said = (*said, *asked.unused(streams))
     for name, stream in named.items():
         whose = stream.source if len(named) == 1 else f"{stream.source}, {name}"
-        said += held_warnings(stream.time_s, stream.acc_mps2, whose)
+        said += stream.held_warnings(whose)
     recording, found, lags = one_clock(named, source, fill_gaps_s=fill_gaps_s)
     return Reading(
         recording,

@@ -89,6 +89,19 @@ class Stream(Result):
         """Return the number of samples."""
         return len(self.time_s)
 
+    def held_warnings(self, whose: str) -> tuple[str, ...]:
+        """:func:`held_warnings` of this sensor.
+
+        Parameters
+        ----------
+        whose : file and sensor, for the message
+
+        Returns
+        -------
+        tuple of str, empty or with one sentence
+        """
+        return held_warnings(self.time_s, self.acc_mps2, whose)
+
     def called(self, label: str, *, clock: str | None = None) -> Stream:
         """The same stream under another label.
 
