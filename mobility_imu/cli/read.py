@@ -57,8 +57,13 @@ def read(
     if output is not None:
         outputs.write({output: csv_bytes(found.recording.to_frame(), output)})
     typer.echo(text)
-    said = [read_line(found.recording)] if output is None else [written_line([output])]
-    summarize(said, quiet)
+    if output is None:
+        summarize([read_line(found.recording)], quiet)
+        return
+    as_it_was = found.format == "canonical CSV" and len(recording) == 1
+    own = found.recording.time_s[0] == 0 and not as_it_was
+    note = "its times count from its first sample: clock=same does not fit it to other files"
+    summarize([*([note] if own else []), written_line([output])], quiet)
 
 
 def reading_text(found: Reading) -> str:

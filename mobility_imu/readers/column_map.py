@@ -20,7 +20,8 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -31,11 +32,13 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.readers.clocks import check_rate
 from mobility_imu.readers.json_samples import json_table
 from mobility_imu.readers.layout import SEPARATORS, split_row
-from mobility_imu.readers.streams import Stream, factor
+from mobility_imu.readers.streams import Stream, factor, known_unit
 from mobility_imu.readers.table import MEND_ROW, NumberTable, check_finite, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
 
 CLOCK_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+CLOCK_WORDS = {unit: unit for unit in CLOCK_UNITS} | {"µs": "us", "μs": "us", "sec": "s"}
+_BRACKETED = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 CLOCK_KEYS = {"column", "unit", "rate_hz", "first_row"}
 SENSOR_KEYS = {"acc", "acc_unit", "gyr", "gyr_unit"}
 
@@ -71,6 +74,7 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
         read.add(clock["column"])
     table = _table(text, source, plan, read, map_path)
     time_s, rate_from = _times(table, clock, map_path)
+    said = _other_units(clock, sensors, source, map_path)
     streams = []
     for name, sensor in sensors.items():
         values = {
@@ -82,10 +86,34 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
         streams.append(
             Stream(
                 time_s, values["acc"], values.get("gyr"), source=source, label=name,
-                rate_from=rate_from, counted="rate_hz" in clock,
+                rate_from=rate_from, counted="rate_hz" in clock, warnings=said,
             )
         )  # fmt: skip
+        said = ()
     return tuple(streams)
+
+
+def _other_units(
+    clock: dict[str, Any], sensors: dict[str, Any], source: str, map_path: str | Path
+) -> tuple[str, ...]:
+    """Sentences on columns whose names state another unit than the map, which counts."""
+    said = []
+    mapped: list[tuple[str, str | None, Callable[[str], str | None]]] = [
+        (column, known_unit(quantity, sensor[f"{quantity}_unit"]), partial(known_unit, quantity))
+        for sensor in sensors.values()
+        for quantity in ("acc", "gyr")
+        for column in sensor.get(quantity, ())
+    ]
+    if "column" in clock:
+        mapped.append((clock["column"], clock.get("unit"), CLOCK_WORDS.get))
+    for column, unit, known in mapped:
+        stated = {found for text in _BRACKETED.findall(column) if (found := known(text.strip()))}
+        if stated and unit not in stated:
+            said.append(
+                f"{source}: the name of column {quoted(column)} states {listed(sorted(stated))}, "
+                f"but {Path(map_path).name} says {unit}, which is taken"
+            )
+    return tuple(said)
 
 
 def _table(

@@ -109,7 +109,10 @@ def read_velocities(
         rate = _even_rate(time_s, source, text)
         _check_given_rate(sampling_rate_hz, rate, source)
     elif sampling_rate_hz is None:
-        raise InputError(f"{source}: no time column, so the sampling rate must be given")
+        raise InputError(
+            f"{source}: no time column, so the sampling rate must be given "
+            "(--sampling-rate-hz; sampling_rate_hz in Python)"
+        )
     else:
         rate = check_rate(sampling_rate_hz, source)
         time_s = np.arange(len(values)) / rate

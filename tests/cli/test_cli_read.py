@@ -85,3 +85,10 @@ def test_a_recording_without_a_gyroscope_is_shown(tmp_path, works):
     table.filter(regex="^time_s$|_acc_|^frame_").to_csv(tmp_path / "one.csv", index=False)
     result = works("read", "one.csv")
     assert result.stdout.count("gyr     none") == 2 and "at rest" in result.stdout
+
+
+def test_a_written_recording_says_where_its_times_begin(files, works):
+    """Canonical tables of different sensors, written one by one, do not share a start."""
+    result = works("read", *files, "-o", "trial.csv")
+    assert "its times count from its first sample: clock=same does not fit" in result.stderr
+    assert "count from its first" not in works("read", "trial.csv", "-o", "again.csv").stderr

@@ -161,3 +161,16 @@ def test_a_clock_that_is_refused_comes_with_what_to_do(tmp_path, change, says):
 def test_decimal_commas_between_commas_come_with_what_to_do(mapped):
     with pytest.raises(InputError, match=r"decimal commas\? Then separate the cells by semicolons"):
         mapped(rows(",", ","))
+
+
+def test_a_map_that_contradicts_a_name_is_told(tmp_path):
+    """The map counts, for names of some loggers are wrong; but the difference is said."""
+    text = rows(",").replace("t,ax,ay,az,gx", "t (ms),ax (m/s^2),ay,az,gx [°/s]")
+    (tmp_path / "a.txt").write_text(text)
+    plan = MAP.replace('"t"', '"t (ms)"').replace('"ax"', '"ax (m/s^2)"')
+    (tmp_path / "map.toml").write_text(plan.replace('"gx"', '"gx [°/s]"'))
+    clock, gyr = sorted(understand(tmp_path / "a.txt", map_path=tmp_path / "map.toml").warnings)[
+        ::-1
+    ]
+    assert "column t (ms) states ms, but map.toml says s, which is taken" in clock
+    assert "column gx [°/s] states deg/s, but map.toml says rad/s, which is taken" in gyr
