@@ -61,11 +61,13 @@ def read_actigraph(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
         lines[HEAD_LINES], separator=",", source=source, first_line=HEAD_LINES + 1,
         wanted={*ACCELEROMETER, *GYROSCOPE}.__contains__,
     )  # fmt: skip
-    gyr = np.deg2rad(table.columns(GYROSCOPE)) if GYROSCOPE[0] in table.header else None
+    gyr = (
+        np.deg2rad(table.columns(GYROSCOPE, finite=True)) if GYROSCOPE[0] in table.header else None
+    )
     return (
         Stream(
             np.arange(len(table)) / rate,
-            table.columns(ACCELEROMETER) * STANDARD_GRAVITY_MPS2,
+            table.columns(ACCELEROMETER, finite=True) * STANDARD_GRAVITY_MPS2,
             gyr,
             source=source,
             rate_from="the file's head",

@@ -77,7 +77,7 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
         first_line=4,
         wanted=read.__contains__,
     )
-    time_s = table.columns(["Time"])[:, 0]
+    time_s = table.columns(["Time"], finite=True)[:, 0]
     streams = []
     for label in dict.fromkeys(part[0] for part in parts if len(part) == 3):
         found = {}
@@ -85,7 +85,9 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
             columns = [f"{label}/{title}/{axis}" for axis in "XYZ"]
             if columns[0] in names:
                 unit = units[names.index(columns[0])]
-                found[quantity] = table.columns(columns) * factor(quantity, unit, source)
+                found[quantity] = table.columns(columns, finite=True) * factor(
+                    quantity, unit, source
+                )
         if "acc" not in found:
             raise InputError(f"{source}: no {quoted(label)}/Acceleration/X, Y, Z")
         streams.append(

@@ -6,7 +6,7 @@ import re
 
 from mobility_imu.errors import InputError
 from mobility_imu.readers.streams import Asked, Stream
-from mobility_imu.readers.table import MEND_ROW, check_finite, parse_numbers
+from mobility_imu.readers.table import MEND_ROW, parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
 AXES = ("x", "y", "z")
@@ -83,5 +83,5 @@ def read_canonical(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
             Stream(time_s, acc, gyr, source=source, label=sensor, warnings=said, counted=True)
         )
         said = ()
-    check_finite(table, range(len(table.header)), text, advice=MEND_ROW)
+    table.check_finite(range(len(table.header)), advice=MEND_ROW)
     return tuple(streams)

@@ -33,7 +33,7 @@ from mobility_imu.readers.clocks import check_rate
 from mobility_imu.readers.json_samples import json_table
 from mobility_imu.readers.layout import SEPARATORS, split_row
 from mobility_imu.readers.streams import Stream, factor, known_unit
-from mobility_imu.readers.table import MEND_ROW, NumberTable, check_finite, parse_numbers, read_text
+from mobility_imu.readers.table import MEND_ROW, NumberTable, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
 
 CLOCK_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -141,7 +141,7 @@ def _table(
     else:
         body = _with_tabs(body)
     table = parse_numbers(body, source=source, first_line=first, wanted=read.__contains__)
-    check_finite(table, range(len(table.header)), body, first, advice=MEND_ROW)
+    table.check_finite(range(len(table.header)), advice=MEND_ROW)
     return table
 
 

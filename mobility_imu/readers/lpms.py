@@ -78,7 +78,7 @@ def _time(table: NumberTable) -> FloatArray:
             scale = {"s": 1.0, "ms": 1e-3}.get(match[1].strip())
             if scale is None:
                 raise InputError(f"{table.source}: time in '{match[1]}', expected s or ms")
-            return table.columns([name])[:, 0] * scale
+            return table.columns([name], finite=True)[:, 0] * scale
     raise InputError(f"{table.source}: no column TimeStamp (s) (it has: {table.listed()})")
 
 
@@ -91,5 +91,7 @@ def _vectors(table: NumberTable, word: str, quantity: str) -> FloatArray:
                 f"{table.source}: no column {word}{axis} with its unit (it has: {table.listed()})"
             )
         unit = names[0].partition("(")[2].rstrip(") ")
-        columns.append(table.columns(names)[:, 0] * factor(quantity, unit, table.source))
+        columns.append(
+            table.columns(names, finite=True)[:, 0] * factor(quantity, unit, table.source)
+        )
     return np.column_stack(columns)

@@ -52,9 +52,9 @@ def read_physics_toolbox(text: str, source: str, asked: Asked) -> tuple[Stream, 
         If a column is missing or a cell is no number.
     """
     table = parse_numbers(text, source=source, wanted={"time", *FORCE, *RATE}.__contains__)
-    acc = table.columns(FORCE) * STANDARD_GRAVITY_MPS2
-    gyr = table.columns(RATE) if RATE[0] in table.header else None
-    time_s = table.columns(["time"])[:, 0]
+    acc = table.columns(FORCE, finite=True) * STANDARD_GRAVITY_MPS2
+    gyr = table.columns(RATE, finite=True) if RATE[0] in table.header else None
+    time_s = table.columns(["time"], finite=True)[:, 0]
     begin = _first(acc, "accelerometer", source)
     said = []
     if gyr is not None:

@@ -73,7 +73,7 @@ def _stream(table: NumberTable, label: str, units: dict[str, str], source: str) 
         names = [f"{label}_{signal}_{axis}_CAL" for axis in "XYZ"]
         if names[0] not in table.header:
             return None
-        return table.columns(names) * factor(quantity, units.get(names[0], ""), source)
+        return table.columns(names, finite=True) * factor(quantity, units.get(names[0], ""), source)
 
     clock = next((t for t in TIMES if f"{label}_{t}_CAL" in table.header), None)
     if clock is None:
@@ -91,6 +91,6 @@ def _stream(table: NumberTable, label: str, units: dict[str, str], source: str) 
     both = sum(f"{label}_{a}_X_CAL" in table.header for a in ACCELEROMETERS) > 1
     said = (f"{source}: of two accelerometers {used} is used (the wider range)",) if both else ()
     return Stream(
-        table.columns([name])[:, 0] * 1e-3, acc, columns("Gyro", "gyr"), source=source,
+        table.columns([name], finite=True)[:, 0] * 1e-3, acc, columns("Gyro", "gyr"), source=source,
         label=label.partition("_")[2], warnings=said,
     )  # fmt: skip

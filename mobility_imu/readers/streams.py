@@ -314,7 +314,7 @@ def stream_in_g_and_degrees(
     """
     return Stream(
         time_s,
-        table.columns(acc) * STANDARD_GRAVITY_MPS2,
-        np.deg2rad(table.columns(gyr)),
+        table.columns(acc, finite=True) * STANDARD_GRAVITY_MPS2,
+        np.deg2rad(table.columns(gyr, finite=True)),
         source=table.source,
     )

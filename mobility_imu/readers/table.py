@@ -147,6 +147,7 @@ class NumberTable(Result):
     source : the file's name, for messages
     left_out : names of columns that were not read
     every : names of all columns of the file, in their order; empty if they are those of the header
+    text, first_line : as :func:`parse_numbers` took them; empty for what is no text table
     """
 
     header: list[str]
@@ -154,17 +155,20 @@ class NumberTable(Result):
     source: str
     left_out: tuple[str, ...] = ()
     every: tuple[str, ...] = ()
+    text: str = ""
+    first_line: int = 1
 
     def __len__(self) -> int:
         """Number of rows."""
         return len(self.numbers)
 
-    def columns(self, wanted: Sequence[str]) -> FloatArray:
+    def columns(self, wanted: Sequence[str], *, finite: bool = False) -> FloatArray:
         """Columns with these names (any case), in this order.
 
         Parameters
         ----------
         wanted : names
+        finite : whether each row has to have a number in them
 
         Returns
         -------
@@ -173,7 +177,7 @@ class NumberTable(Result):
         Raises
         ------
         InputError
-            If a column is missing, or any name of the table appears twice.
+            If a column is missing, any name of the table appears twice, or a number is not finite.
         """
         places = self._places
         missing = [name for name in wanted if name.lower() not in places]
@@ -181,7 +185,37 @@ class NumberTable(Result):
             raise InputError(
                 f"{self.source}: no column {listed(missing)} (it has: {self.listed()})"
             )
-        return self.numbers[:, [places[name.lower()] for name in wanted]]
+        read = [places[name.lower()] for name in wanted]
+        if finite:
+            self.check_finite(read, advice=MEND_ROW)
+        return self.numbers[:, read]
+
+    def check_finite(self, places: Iterable[int], *, advice: str = "correct it") -> None:
+        """Check that columns have a number in every row.
+
+        Parameters
+        ----------
+        places : of the columns in the header
+        advice : what to do, the end of the message
+
+        Raises
+        ------
+        InputError
+            With the line of the first cell that is empty, NaN or infinite.
+        """
+        for k in places:
+            bad = ~np.isfinite(self.numbers[:, k])
+            if bad.any():
+                row = int(np.argmax(bad))
+                where = (
+                    f"line {line_of(self.text, row, self.first_line)}"
+                    if self.text
+                    else f"sample {row}"
+                )
+                raise InputError(
+                    f"{self.source}: {where}, column {quoted(self.header[k])}: expected a number, "
+                    f"got nothing, NaN or infinity ({int(bad.sum())} such row(s)); {advice}"
+                )
 
     def listed(self) -> str:
         """Names of the file's columns, as messages list them."""
@@ -268,8 +302,9 @@ def parse_numbers(
     if values is None:
         values = _read_slowly(layout, columns, source)
     return NumberTable(
-        [names[k] for k in read], values[:, : len(columns)], source, left_out=left_out, every=names
-    )
+        [names[k] for k in read], values[:, : len(columns)], source, left_out=left_out, every=names,
+        text=text, first_line=first_line,
+    )  # fmt: skip
 
 
 def line_of(text: str, row: int, first_line: int = 1) -> int:
@@ -287,39 +322,6 @@ def line_of(text: str, row: int, first_line: int = 1) -> int:
     layout = find_layout(text, "", first_line=first_line)
     lines = enumerate(_LINE_ENDS.split(layout.body), start=layout.line + 1)
     return next(islice((number for number, line in lines if line.strip()), row, None))
-
-
-def check_finite(
-    table: NumberTable,
-    columns: Iterable[int],
-    text: str,
-    first_line: int = 1,
-    *,
-    advice: str = "correct it",
-) -> None:
-    """Check that columns of a table have a number in every row.
-
-    Parameters
-    ----------
-    table : as :func:`parse_numbers` read it
-    columns : their places in the table's header
-    text, first_line : as :func:`parse_numbers` took them
-    advice : what to do, the end of the message
-
-    Raises
-    ------
-    InputError
-        With the line of the first cell that is empty, NaN or infinite.
-    """
-    for k in columns:
-        bad = ~np.isfinite(table.numbers[:, k])
-        if bad.any():
-            row = int(np.argmax(bad))
-            raise InputError(
-                f"{table.source}: line {line_of(text, row, first_line)}, column "
-                f"{quoted(table.header[k])}: expected a number, got nothing, NaN or infinity "
-                f"({int(bad.sum())} such row(s)); {advice}"
-            )
 
 
 def _as_numbers(frame: Any) -> FloatArray | None:

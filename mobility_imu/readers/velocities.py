@@ -13,7 +13,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.readers.clocks import check_rate
 from mobility_imu.readers.streams import FACTORS, known_unit
-from mobility_imu.readers.table import NumberTable, check_finite, line_of, parse_numbers, read_text
+from mobility_imu.readers.table import NumberTable, line_of, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.results import Result
 
@@ -103,7 +103,7 @@ def read_velocities(
     linear = _column(table, r"lin", "linear velocity ('lin')")
     angular = _column(table, r"ang|yaw", "angular velocity ('ang' or 'yaw')")
     clock = [k for k, name in enumerate(header) if _is_clock(name)]
-    check_finite(table, [linear, angular, *clock], text)
+    table.check_finite([linear, angular, *clock])
     if clock:
         time_s = values[:, clock[0]] * _clock_unit(header[clock[0]], source)
         rate = _even_rate(time_s, source, text)

@@ -48,8 +48,8 @@ def read_wheelmove_id(text: str, source: str, asked: Asked) -> tuple[Stream, ...
     return tuple(
         Stream(
             time_s,
-            table.columns([f"{theirs}_Acc_{axis}" for axis in "XYZ"]),
-            table.columns([f"{theirs}_Gyr_{axis}" for axis in "XYZ"]),
+            table.columns([f"{theirs}_Acc_{axis}" for axis in "XYZ"], finite=True),
+            table.columns([f"{theirs}_Gyr_{axis}" for axis in "XYZ"], finite=True),
             source=source,
             label=ours,
             rate_from=GIVEN,

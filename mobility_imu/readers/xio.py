@@ -54,7 +54,7 @@ def read_xio(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     table = parse_numbers(text, source=source, wanted=READ.__contains__)
     clock = next((name for name in CLOCKS if name in table.header), None)
     if clock is not None:
-        time_s = table.columns([clock])[:, 0] * CLOCKS[clock]
+        time_s = table.columns([clock], finite=True)[:, 0] * CLOCKS[clock]
         return (stream_in_g_and_degrees(table, time_s, ACCELEROMETER, GYROSCOPE),)
     rate = asked.rate(source, "a file of the first x-IMU", " (its Registers.csv has it)")
     time_s = np.arange(len(table)) / rate

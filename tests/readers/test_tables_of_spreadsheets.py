@@ -174,3 +174,24 @@ def test_a_map_that_contradicts_a_name_is_told(tmp_path):
     ]
     assert "column t (ms) states ms, but map.toml says s, which is taken" in clock
     assert "column gx [°/s] states deg/s, but map.toml says rad/s, which is taken" in gyr
+
+
+@pytest.mark.parametrize(
+    "write",
+    [
+        dialects.canonical, dialects.lpms, dialects.ximu3, dialects.apdm, dialects.shimmer,
+        dialects.actigraph, dialects.physics_toolbox,
+    ],
+    ids=lambda w: w.__name__,
+)  # fmt: skip
+@pytest.mark.parametrize("cell", ["", "NaN", "inf"])
+def test_a_cell_without_a_number_is_named_by_its_line(tmp_path, write, cell):
+    path = write(made(), tmp_path)
+    lines = path.read_text().split("\n")
+    mark = max(";,", key=lines[100].count)
+    cells = lines[100].split(mark)
+    cells[2] = cell
+    lines[100] = mark.join(cells)
+    path.write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r"line 101, column .*\(1 such row.*--fill-gaps-s"):
+        quietly(path, expected=("frame",))
