@@ -190,7 +190,7 @@ def test_a_cell_without_a_number_is_named_by_its_line(tmp_path, write, cell):
     lines = path.read_text().split("\n")
     mark = max(";,", key=lines[100].count)
     cells = lines[100].split(mark)
-    cells[2] = cell
+    cells[3] = cell
     lines[100] = mark.join(cells)
     path.write_text("\n".join(lines))
     with pytest.raises(InputError, match=r"line 101, column .*\(1 such row.*--fill-gaps-s"):
