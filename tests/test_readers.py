@@ -143,7 +143,10 @@ FAULTS = {
         lambda t: at(t, 4, "frame_acc_x_mps2", "inf"),
         "line 6, column frame_acc_x_mps2: expected a number",
     ),
-    "a time missing": (lambda t: at(t, 4, "time_s", None), "line 6, column time_s: expected a number"),
+    "a time missing": (
+        lambda t: at(t, 4, "time_s", None),
+        "line 6, column time_s: expected a number",
+    ),
     "no time column": (lambda t: t.drop(columns="time_s"), "unknown format.*time_s"),
     "an axis missing": (
         lambda t: t.drop(columns="frame_acc_z_mps2"),
