@@ -70,7 +70,7 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
         for key in ("acc", "gyr")
         for name in sensor.get(key, ())
     }
-    if "column" in clock:
+    if isinstance(clock.get("column"), str):
         read.add(clock["column"])
     table = _table(text, source, plan, read, map_path)
     time_s, rate_from = _times(table, clock, map_path)
@@ -124,7 +124,7 @@ def _table(
     if re.match(r"\s*\[\s*\{", text):
         if "names" in plan or "first_row" in clock:
             raise InputError(f"{map_path}: names and first_row are for tables; {source} is JSON")
-        return json_table(text, source, sorted(read, key=str))
+        return json_table(text, source, sorted(read))
     first = _whole(clock.get("first_row", 1), f"{map_path}, [clock] first_row")
     lines = text.split("\n", first - 1)
     if len(lines) < first:

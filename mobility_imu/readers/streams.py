@@ -90,7 +90,9 @@ class Stream(Result):
         return len(self.time_s)
 
     def held_warnings(self, whose: str) -> tuple[str, ...]:
-        """:func:`held_warnings` of this sensor.
+        """Whether most of its rows repeat the one before.
+
+        As :func:`mobility_imu.readers.streams.held_warnings` judges.
 
         Parameters
         ----------
@@ -160,14 +162,15 @@ class Asked(NamedTuple):
     def unused(self, streams: Sequence[Stream]) -> tuple[str, ...]:
         """Whether a given sampling rate differs from that of a file's own clock, which is kept.
 
+        A difference of less than :data:`LARGEST_RATE_DIFFERENCE` is not told.
+
         Parameters
         ----------
         streams : of one recording
 
         Returns
         -------
-        tuple of str, one sentence for each stream that has another rate, by more than
-        :data:`LARGEST_RATE_DIFFERENCE`
+        tuple of str, one sentence for each stream that has another rate
         """
         said = []
         for stream in streams if self.sampling_rate_hz is not None else ():
@@ -189,9 +192,9 @@ FEWEST_TO_JUDGE = 100
 MOSTLY_HELD = 0.5
 """More repeated samples than this: the rate of the rows is not the rate of the sensor."""
 MOSTLY_TOGETHER = 0.5
-"""Part of the new samples that are new on all axes, below which the repeats come from coarse steps:
-three axes of a sensor at rest seldom pass a step at once. Real files: 0.75 or more where samples
-are held, 0.03 or less where a sensor with coarse steps rests."""
+"""Part of the new samples that are new on all axes, below which the repeats come from coarse steps.
+Three axes of a sensor at rest seldom pass a step at once. Real files have 0.75 or more where
+samples are held, 0.03 or less where a sensor with coarse steps rests."""
 LARGEST_RATE_DIFFERENCE = 0.01
 """Part by which a given sampling rate may differ from that of a file's own clock."""
 FACTORS = {
