@@ -133,17 +133,20 @@ FAULTS = {
     ),
     "an empty cell": (
         lambda t: at(t, 4, "left_wheel_acc_x_mps2", None),
-        r"left_wheel_acc_x: sample 4 is nan.*1 such value",
+        r"line 6, column left_wheel_acc_x_mps2: expected a number.*1 such row.*--fill-gaps-s",
     ),
     "nan": (
         lambda t: at(t, 4, "left_wheel_acc_x_mps2", "nan"),
-        r"left_wheel_acc_x: sample 4 is nan",
+        "line 6, column left_wheel_acc_x_mps2: expected a number",
     ),
     "infinity": (
         lambda t: at(t, 4, "frame_acc_x_mps2", "inf"),
-        "frame_acc_x: sample 4 is inf",
+        "line 6, column frame_acc_x_mps2: expected a number",
     ),
-    "a time missing": (lambda t: at(t, 4, "time_s", None), "time_s: sample 4 is nan"),
+    "a time missing": (
+        lambda t: at(t, 4, "time_s", None),
+        "line 6, column time_s: expected a number",
+    ),
     "no time column": (lambda t: t.drop(columns="time_s"), "unknown format.*time_s"),
     "an axis missing": (
         lambda t: t.drop(columns="frame_acc_z_mps2"),

@@ -53,11 +53,17 @@ def read(
     )
     warn(found.warnings)
     warn(fault.sentence for fault in examine(found.recording))
+    text = reading_text(found)
     if output is not None:
         outputs.write({output: csv_bytes(found.recording.to_frame(), output)})
-    typer.echo(reading_text(found))
-    said = [read_line(found.recording)] if output is None else [written_line([output])]
-    summarize(said, quiet)
+    typer.echo(text)
+    if output is None:
+        summarize([read_line(found.recording)], quiet)
+        return
+    as_it_was = found.format == "canonical CSV" and len(recording) == 1
+    own = found.recording.time_s[0] == 0 and not as_it_was
+    note = "its times count from its first sample: clock=same does not fit it to other files"
+    summarize([*([note] if own else []), written_line([output])], quiet)
 
 
 def reading_text(found: Reading) -> str:
@@ -84,7 +90,7 @@ def reading_text(found: Reading) -> str:
         f"samples   {len(recording)}, {length:.2f} s; steps of {1e3 * step.min():.3g} to "
         f"{1e3 * step.max():.3g} ms",
     ]
-    offsets = rest_offsets(recording, tuple(recording.sensors))
+    offsets = rest_offsets(recording)
     for name, imu in recording.sensors.items():
         norm = np.linalg.norm(imu.acc_mps2, axis=1)
         label = found.labels.get(name, "")

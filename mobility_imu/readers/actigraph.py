@@ -10,6 +10,7 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.readers.clocks import check_rate
+from mobility_imu.readers.layout import comma_separated
 from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import parse_numbers
 
@@ -52,7 +53,7 @@ def read_actigraph(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     InputError
         If a column is missing, or a cell is no number.
     """
-    lines = text.split("\n", HEAD_LINES)
+    lines = comma_separated(text).split("\n", HEAD_LINES)
     stated = re.search(r"\bat (\d+(?:\.\d+)?) Hz", lines[0])
     if len(lines) <= HEAD_LINES or stated is None:
         raise InputError(f"{source}: an ActiGraph file states 'at ... Hz' and has ten head lines")
@@ -61,11 +62,13 @@ def read_actigraph(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
         lines[HEAD_LINES], separator=",", source=source, first_line=HEAD_LINES + 1,
         wanted={*ACCELEROMETER, *GYROSCOPE}.__contains__,
     )  # fmt: skip
-    gyr = np.deg2rad(table.columns(GYROSCOPE)) if GYROSCOPE[0] in table.header else None
+    gyr = (
+        np.deg2rad(table.columns(GYROSCOPE, finite=True)) if GYROSCOPE[0] in table.header else None
+    )
     return (
         Stream(
             np.arange(len(table)) / rate,
-            table.columns(ACCELEROMETER) * STANDARD_GRAVITY_MPS2,
+            table.columns(ACCELEROMETER, finite=True) * STANDARD_GRAVITY_MPS2,
             gyr,
             source=source,
             rate_from="the file's head",

@@ -10,7 +10,8 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.streams import Asked, Stream, held_warnings
+from mobility_imu.readers.layout import comma_separated
+from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.wording import listed, quoted
 
 ELAPSED = "Time since start in ms"
@@ -56,7 +57,7 @@ def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]
     import pandas as pd
 
     try:
-        table = pd.read_csv(io.StringIO(text), index_col=False)
+        table = pd.read_csv(io.StringIO(comma_separated(text)), index_col=False)
     except (ValueError, pd.errors.ParserError) as error:
         raise InputError(f"{source}: cannot be read as a table ({quoted(str(error))})") from None
     table.columns = [str(name).strip() for name in table.columns]
@@ -70,8 +71,7 @@ def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]
             np.column_stack([_numbers(_column(table, n, source), n, source) for n in names])
         )
     time_s = elapsed + np.median(wall - elapsed)
-    said = held_warnings(time_s, vectors[0], source)
-    return (Stream(time_s, *vectors, source=source, warnings=said),)
+    return (Stream(time_s, *vectors, source=source),)
 
 
 def _column(table: Any, name: str, source: str) -> Any:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from mobility_imu.errors import InputError
-from mobility_imu.readers.layout import split_row
+from mobility_imu.readers.layout import comma_separated, split_row
 from mobility_imu.readers.streams import Asked, Stream, factor
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import quoted
@@ -57,6 +57,7 @@ def read_apdm(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     InputError
         If a column is missing, its unit is not known, or a cell is no number.
     """
+    text = comma_separated(text)
     return _format_7(text, source) if text.startswith("Format=7") else _table(text, source)
 
 
@@ -76,7 +77,7 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
         first_line=4,
         wanted=read.__contains__,
     )
-    time_s = table.columns(["Time"])[:, 0]
+    time_s = table.columns(["Time"], finite=True)[:, 0]
     streams = []
     for label in dict.fromkeys(part[0] for part in parts if len(part) == 3):
         found = {}
@@ -84,7 +85,9 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
             columns = [f"{label}/{title}/{axis}" for axis in "XYZ"]
             if columns[0] in names:
                 unit = units[names.index(columns[0])]
-                found[quantity] = table.columns(columns) * factor(quantity, unit, source)
+                found[quantity] = table.columns(columns, finite=True) * factor(
+                    quantity, unit, source
+                )
         if "acc" not in found:
             raise InputError(f"{source}: no {quoted(label)}/Acceleration/X, Y, Z")
         streams.append(

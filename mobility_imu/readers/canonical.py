@@ -6,7 +6,7 @@ import re
 
 from mobility_imu.errors import InputError
 from mobility_imu.readers.streams import Asked, Stream
-from mobility_imu.readers.table import parse_numbers
+from mobility_imu.readers.table import MEND_ROW, parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
 AXES = ("x", "y", "z")
@@ -44,7 +44,7 @@ def read_canonical(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     Raises
     ------
     InputError
-        If a column is missing, misspelt or stands twice, or a cell is no number.
+        If a column is missing, misspelt or stands twice, or a cell is no finite number.
     """
 
     def wanted(name: str) -> bool:
@@ -67,7 +67,7 @@ def read_canonical(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     if not groups:
         raise InputError(
             f"{source}: no sensor; expected columns <sensor>_acc_x_mps2 beside time_s "
-            f"(it has: {listed([*table.header, *table.left_out])})"
+            f"(it has: {table.listed()})"
         )
     said = (f"{source}: not used: {listed(table.left_out)}",) if table.left_out else ()
     streams = []
@@ -83,4 +83,5 @@ def read_canonical(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
             Stream(time_s, acc, gyr, source=source, label=sensor, warnings=said, counted=True)
         )
         said = ()
+    table.check_finite(range(len(table.header)), advice=MEND_ROW)
     return tuple(streams)

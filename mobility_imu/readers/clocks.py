@@ -276,7 +276,7 @@ def one_clock(
         sensors = {name: Imu(s.acc_mps2, s.gyr_radps) for name, s in streams.items()}
         if fill_gaps_s > 0:
             time_s, sensors = fill_gaps(time_s, sensors, fill_gaps_s, source)
-        recording = Recording(time_s, sensors, source=source)
+        recording = _recorded(time_s, sensors, source)
         check_rate(recording.sampling_rate_hz, source, clock=True)
         return recording, tuple(said), lags
     rates = []
@@ -486,3 +486,21 @@ def _oddities(clock: FloatArray, left_out: int, counted: bool, source: str) -> l
 
 def _spans(clocks: Mapping[str, FloatArray]) -> str:
     return ", ".join(f"{name} {clock[0]:.3f}-{clock[-1]:.3f} s" for name, clock in clocks.items())
+
+
+def _recorded(time_s: FloatArray, sensors: Mapping[str, Imu], source: str) -> Recording:
+    """Recording; if its clock is refused, the message ends with what to do."""
+    try:
+        return Recording(time_s, sensors, source=source)
+    except InputError as error:
+        advice = next((do for words, do in ADVICE.items() if words in str(error)), "")
+        raise InputError(f"{error}{advice}") from None
+
+
+ADVICE = {
+    "time_s: gap of": "; give --fill-gaps-s (fill_gaps_s in Python) of that length to bridge it, "
+    "or cut the recording there",
+    "s stands twice (samples": "; remove one of the two rows",
+    "time_s: runs backwards": "; sort the rows, or cut the recording there",
+}
+"""What to do where a Recording refuses a clock, by words of its message."""

@@ -18,8 +18,10 @@ names has ``names = ["t", "ax", ...]`` at the top level of the map.
 
 from __future__ import annotations
 
+import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,11 +30,15 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.clocks import check_rate
-from mobility_imu.readers.streams import Stream, factor
-from mobility_imu.readers.table import NumberTable, parse_numbers, read_text
+from mobility_imu.readers.json_samples import json_table
+from mobility_imu.readers.layout import SEPARATORS, split_row
+from mobility_imu.readers.streams import Stream, factor, known_unit
+from mobility_imu.readers.table import MEND_ROW, NumberTable, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
 
 CLOCK_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+CLOCK_WORDS = {unit: unit for unit in CLOCK_UNITS} | {"µs": "us", "μs": "us", "sec": "s"}
+_BRACKETED = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 CLOCK_KEYS = {"column", "unit", "rate_hz", "first_row"}
 SENSOR_KEYS = {"acc", "acc_unit", "gyr", "gyr_unit"}
 
@@ -54,32 +60,21 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
     ------
     InputError
         If the map misses something or has an unknown key, a column is not there, or a cell of it
-        is no number.
+        is no finite number.
     """
     plan = _plan(map_path)
     clock, sensors = plan["clock"], plan["sensors"]
-    first = _whole(clock.get("first_row", 1), f"{map_path}, [clock] first_row")
-    lines = text.split("\n", first - 1)
-    if len(lines) < first:
-        raise InputError(f"{source}: has no line {first}, where {map_path} expects the names")
-    body = lines[first - 1]
-    if "names" in plan:
-        names = plan["names"]
-        if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
-            raise InputError(f"{map_path}: names must be a list of texts")
-        separator = max("\t;,", key=body.partition("\n")[0].count)
-        body = separator.join(names) + "\n" + body
-        first -= 1
     read = {
         name.lstrip("-")
         for sensor in sensors.values()
         for key in ("acc", "gyr")
         for name in sensor.get(key, ())
     }
-    if "column" in clock:
+    if isinstance(clock.get("column"), str):
         read.add(clock["column"])
-    table = parse_numbers(body, source=source, first_line=first, wanted=read.__contains__)
+    table = _table(text, source, plan, read, map_path)
     time_s, rate_from = _times(table, clock, map_path)
+    said = _other_units(clock, sensors, source, map_path)
     streams = []
     for name, sensor in sensors.items():
         values = {
@@ -91,10 +86,86 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
         streams.append(
             Stream(
                 time_s, values["acc"], values.get("gyr"), source=source, label=name,
-                rate_from=rate_from, counted="rate_hz" in clock,
+                rate_from=rate_from, counted="rate_hz" in clock, warnings=said,
             )
         )  # fmt: skip
+        said = ()
     return tuple(streams)
+
+
+def _other_units(
+    clock: dict[str, Any], sensors: dict[str, Any], source: str, map_path: str | Path
+) -> tuple[str, ...]:
+    """Sentences on columns whose names state another unit than the map, which counts."""
+    said = []
+    mapped: list[tuple[str, str | None, Callable[[str], str | None]]] = [
+        (column, known_unit(quantity, sensor[f"{quantity}_unit"]), partial(known_unit, quantity))
+        for sensor in sensors.values()
+        for quantity in ("acc", "gyr")
+        for column in sensor.get(quantity, ())
+    ]
+    if "column" in clock:
+        mapped.append((clock["column"], clock.get("unit"), CLOCK_WORDS.get))
+    for column, unit, known in mapped:
+        stated = {found for text in _BRACKETED.findall(column) if (found := known(text.strip()))}
+        if stated and unit not in stated:
+            said.append(
+                f"{source}: the name of column {quoted(column)} states {listed(sorted(stated))}, "
+                f"but {Path(map_path).name} says {unit}, which is taken"
+            )
+    return tuple(said)
+
+
+def _table(
+    text: str, source: str, plan: dict[str, Any], read: set[str], map_path: str | Path
+) -> NumberTable:
+    """Columns that a map names; a JSON array of objects has its values under their keys."""
+    clock = plan["clock"]
+    if re.match(r"\s*\[\s*\{", text):
+        if "names" in plan or "first_row" in clock:
+            raise InputError(f"{map_path}: names and first_row are for tables; {source} is JSON")
+        return json_table(text, source, sorted(read))
+    first = _whole(clock.get("first_row", 1), f"{map_path}, [clock] first_row")
+    lines = text.split("\n", first - 1)
+    if len(lines) < first:
+        raise InputError(f"{source}: has no line {first}, where {map_path} expects the names")
+    body = lines[first - 1]
+    if "names" in plan:
+        names = plan["names"]
+        if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
+            raise InputError(f"{map_path}: names must be a list of texts")
+        body = _with_tabs(body, len(names))
+        separator = _separator(body, len(names))
+        body = separator.join(names) + "\n" + body
+        first -= 1
+    else:
+        body = _with_tabs(body)
+    table = parse_numbers(body, source=source, first_line=first, wanted=read.__contains__)
+    table.check_finite(range(len(table.header)), advice=MEND_ROW)
+    return table
+
+
+def _with_tabs(body: str, count: int | None = None) -> str:
+    """Table whose cells are separated by blanks alone, with tabs in their place.
+
+    Commas may then be decimal commas: the number of columns tells, if it is known.
+    """
+    line = body.lstrip().partition("\n")[0]
+    cells = len(line.split())
+    by_comma = "," in line and (cells != count or len(split_row(line, ",")) == count)
+    if by_comma or any(sep in line for sep in "\t;") or cells < 2:
+        return body
+    return "\n".join("\t".join(row.split()) for row in body.split("\n"))
+
+
+def _separator(body: str, count: int) -> str:
+    """Separator of a table without names: the one that makes the expected number of cells.
+
+    The mark that stands most often may be the decimal comma.
+    """
+    line = body.lstrip("\r\n").partition("\n")[0].strip("\r")
+    fits = [sep for sep in SEPARATORS if len(split_row(line.rstrip(sep), sep)) == count]
+    return fits[0] if fits else max(SEPARATORS, key=line.count)
 
 
 def _plan(path: str | Path) -> dict[str, Any]:

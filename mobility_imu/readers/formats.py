@@ -82,7 +82,7 @@ def find_format(text: str, source: str) -> Format:
     InputError
         If no format begins like this, or more than one does.
     """
-    lines = [line for line in re.split(r"\r?\n", text[:BEGINNING]) if line.strip()]
+    lines = [line for line in re.split(r"\r?\n", text[:BEGINNING]) if line.strip(" \t;,")]
     if lines and lines[0].strip().strip('"').lower().startswith("sep=") and len(lines) > 1:
         lines = lines[1:]
     first = lines[0] if lines else ""

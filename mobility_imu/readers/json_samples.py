@@ -1,8 +1,14 @@
-"""JSON arrays of samples, as small boards write them: one object per sample, in g and deg/s."""
+"""JSON arrays of samples, as small boards write them: one object per sample.
+
+The files state no units. Those that are known (the recordings of a rollator with an Arduino Nano 33
+BLE) are in g, deg/s and s; other units are stated by a map.
+"""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -31,7 +37,9 @@ def is_json_samples(line: str) -> bool:
 
 
 def read_json_samples(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
-    """Stream of an array of objects ``acc_x … gy_z, timestamp`` (g, deg/s, s since 1970).
+    """Stream of an array of objects ``acc_x … gy_z, timestamp``.
+
+    They are taken in g, deg/s and s since 1970, which a warning says.
 
     Parameters
     ----------
@@ -48,17 +56,44 @@ def read_json_samples(text: str, source: str, asked: Asked) -> tuple[Stream, ...
     InputError
         If it is no such array, or a value is no number.
     """
+    table = json_table(text, source, KEYS)
+    said = (
+        f"{source}: states no units; taken in g, deg/s and s. If they are others, state them in a "
+        "map (mobility-imu read --map)"
+    )
+    found = stream_in_g_and_degrees(table, table.numbers[:, 0], ACCELEROMETER, GYROSCOPE)
+    return (replace(found, warnings=(*found.warnings, said)),)
+
+
+def json_table(text: str, source: str, keys: Sequence[str]) -> NumberTable:
+    """Numbers of an array of objects, as a table.
+
+    Parameters
+    ----------
+    text : content of the file; a number may stand as text
+    source : the file's name, for messages
+    keys : of the values that are read, in the order of the columns
+
+    Returns
+    -------
+    NumberTable
+
+    Raises
+    ------
+    InputError
+        If it is no such array, or a value is no number.
+    """
     try:
         samples = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{source}: no JSON ({error}); is the file complete?") from None
     if not isinstance(samples, list) or not samples:
         raise InputError(f"{source}: expected a JSON array of samples")
-    rows = np.empty((len(samples), len(KEYS)))
+    rows = np.empty((len(samples), len(keys)))
     for k, sample in enumerate(samples):
         if not isinstance(sample, dict):
-            raise InputError(f"{source}: sample {k} is no object with {', '.join(KEYS)}")
-        for j, key in enumerate(KEYS):
+            raise InputError(f"{source}: sample {k} is no object with {', '.join(keys)}")
+        for j, key in enumerate(keys):
             value = sample.get(key)
             try:
                 rows[k, j] = float(value)  # type: ignore[arg-type]  # what is no number is refused
@@ -66,5 +101,4 @@ def read_json_samples(text: str, source: str, asked: Asked) -> tuple[Stream, ...
                 raise InputError(
                     f"{source}: sample {k}: {key} is {quoted(repr(value))}, expected a number"
                 ) from None
-    table = NumberTable(KEYS, rows, source)
-    return (stream_in_g_and_degrees(table, rows[:, 0], ACCELEROMETER, GYROSCOPE),)
+    return NumberTable(list(keys), rows, source)

@@ -16,6 +16,7 @@ from mobility_imu.readers.wording import quoted
 
 SEPARATORS = ("\t", ";", ",")
 ROWS_LOOKED_AT = 20
+_NOTHING = " \t\r\v\f;,"
 _SEP_LINE = re.compile(r'\s*"?sep=(.)"?\s*', re.IGNORECASE)
 
 
@@ -67,7 +68,7 @@ def find_layout(
         told = _SEP_LINE.fullmatch(head)
         if told and separator is None:
             separator = told[1]
-        elif head.strip() and not told:
+        elif head.strip(_NOTHING) and not told:
             break
         if not rest:
             break
@@ -81,6 +82,10 @@ def find_layout(
     while len(names) > 1 and not names[-1]:
         names.pop()  # rows that end with a separator
     rows = [split_row(row, separator) for row in _first_rows(rest)]
+    empty = _empty_ends(rows, len(names))
+    if empty > 1:  # one is passed over anyway
+        rest = re.sub(rf"(?m){re.escape(separator)}{{{empty}}}[ \r]*$", "", rest)
+        rows = [row[:-empty] if not any(row[-empty:]) else row for row in rows]
     indexed = len(names) > 1 and not names[0]
     if indexed:
         names = names[1:]
@@ -112,6 +117,32 @@ def split_row(row: str, separator: str) -> list[str]:
         )
     except csv.Error:
         return row.split(separator)
+
+
+def comma_separated(text: str) -> str:
+    """Text of a format that has commas, also where a spreadsheet saved it with semicolons.
+
+    A spreadsheet with decimal commas separates cells by semicolons; a line ends with as many as
+    the longest line needs.
+
+    Parameters
+    ----------
+    text : content of a file whose first line has no comma unless they separate cells
+
+    Returns
+    -------
+    str, with decimal points and commas between cells
+    """
+    first = _unquoted(text.lstrip().partition("\n")[0])
+    return text.replace(",", ".").replace(";", ",") if ";" in first and "," not in first else text
+
+
+def _empty_ends(rows: Sequence[Sequence[str]], count: int) -> int:
+    """Empty cells beyond the named columns that every row ends with."""
+    beyond = {len(row) - count for row in rows}
+    if len(beyond) != 1 or (empty := beyond.pop()) < 1:
+        return 0
+    return empty if not any(cell.strip() for row in rows for cell in row[-empty:]) else 0
 
 
 def _next_line(text: str) -> tuple[str, str]:

@@ -14,7 +14,6 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.streams import Asked, Stream, factor
 from mobility_imu.readers.table import NumberTable, parse_numbers
-from mobility_imu.readers.wording import listed
 
 
 def is_lpms(names: str) -> bool:
@@ -79,8 +78,8 @@ def _time(table: NumberTable) -> FloatArray:
             scale = {"s": 1.0, "ms": 1e-3}.get(match[1].strip())
             if scale is None:
                 raise InputError(f"{table.source}: time in '{match[1]}', expected s or ms")
-            return table.columns([name])[:, 0] * scale
-    raise InputError(f"{table.source}: no column TimeStamp (s) (it has: {listed(table.header)})")
+            return table.columns([name], finite=True)[:, 0] * scale
+    raise InputError(f"{table.source}: no column TimeStamp (s) (it has: {table.listed()})")
 
 
 def _vectors(table: NumberTable, word: str, quantity: str) -> FloatArray:
@@ -89,9 +88,10 @@ def _vectors(table: NumberTable, word: str, quantity: str) -> FloatArray:
         names = [n for n in table.header if re.fullmatch(rf"{word}{axis}\s*\(.*\)", n)]
         if len(names) != 1:
             raise InputError(
-                f"{table.source}: no column {word}{axis} with its unit (it has: "
-                f"{listed(table.header)})"
+                f"{table.source}: no column {word}{axis} with its unit (it has: {table.listed()})"
             )
         unit = names[0].partition("(")[2].rstrip(") ")
-        columns.append(table.columns(names)[:, 0] * factor(quantity, unit, table.source))
+        columns.append(
+            table.columns(names, finite=True)[:, 0] * factor(quantity, unit, table.source)
+        )
     return np.column_stack(columns)

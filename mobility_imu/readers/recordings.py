@@ -151,11 +151,16 @@ def understand(
     if sampling_rate_hz is not None:
         check_rate(sampling_rate_hz, source)
     check_fill(fill_gaps_s)
+    asked = Asked(sampling_rate_hz)
     try:
-        form, streams, are_named = _streams(path, Asked(sampling_rate_hz), map_path)
+        form, streams, are_named = _streams(path, asked, map_path)
     except InputError as error:
         raise InputError(f"{error}{_as_several(path, expected)}") from None
     named, said = _named(streams, expected, source, are_named=are_named)
+    said = (*said, *asked.unused(streams))
+    for name, stream in named.items():
+        whose = stream.source if len(named) == 1 else f"{stream.source}, {name}"
+        said += stream.held_warnings(whose)
     recording, found, lags = one_clock(named, source, fill_gaps_s=fill_gaps_s)
     return Reading(
         recording,

@@ -118,7 +118,8 @@ def _platform(files: Mapping[str, str], source: str) -> tuple[str, bool]:
             "signs"
         )
     names, _, row = files["Metadata"].strip().partition("\n")
-    told = dict(zip(split_row(names.strip(), ","), split_row(row.strip(), ","), strict=False))
+    mark = max(",;", key=names.count)
+    told = dict(zip(split_row(names.strip(), mark), split_row(row.strip(), mark), strict=False))
     platform = told.get("platform", "").lower()
     if platform not in ("android", "ios"):
         raise InputError(

@@ -9,7 +9,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.readers.layout import find_layout, split_row
 from mobility_imu.readers.streams import Asked, Stream, factor
 from mobility_imu.readers.table import NumberTable, parse_numbers
-from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.readers.wording import quoted
 
 _NAME = re.compile(r"(Shimmer_\w+?)_(\w+)_CAL")
 ACCELEROMETERS = ("Accel_WR", "Accel_LN", "Accel")
@@ -73,17 +73,17 @@ def _stream(table: NumberTable, label: str, units: dict[str, str], source: str) 
         names = [f"{label}_{signal}_{axis}_CAL" for axis in "XYZ"]
         if names[0] not in table.header:
             return None
-        return table.columns(names) * factor(quantity, units.get(names[0], ""), source)
+        return table.columns(names, finite=True) * factor(quantity, units.get(names[0], ""), source)
 
     clock = next((t for t in TIMES if f"{label}_{t}_CAL" in table.header), None)
     if clock is None:
-        raise InputError(f"{source}: no time of {label} (it has: {listed(table.header)})")
+        raise InputError(f"{source}: no time of {label} (it has: {table.listed()})")
     used = next(
         (a for a in ACCELEROMETERS if f"{label}_{a}_X_CAL" in table.header), ACCELEROMETERS[-1]
     )
     acc = columns(used, "acc")
     if acc is None:
-        raise InputError(f"{source}: no accelerometer of {label} (it has: {listed(table.header)})")
+        raise InputError(f"{source}: no accelerometer of {label} (it has: {table.listed()})")
     name = f"{label}_{clock}_CAL"
     unit = units.get(name, "").strip()
     if unit != "ms":
@@ -91,6 +91,6 @@ def _stream(table: NumberTable, label: str, units: dict[str, str], source: str) 
     both = sum(f"{label}_{a}_X_CAL" in table.header for a in ACCELEROMETERS) > 1
     said = (f"{source}: of two accelerometers {used} is used (the wider range)",) if both else ()
     return Stream(
-        table.columns([name])[:, 0] * 1e-3, acc, columns("Gyro", "gyr"), source=source,
+        table.columns([name], finite=True)[:, 0] * 1e-3, acc, columns("Gyro", "gyr"), source=source,
         label=label.partition("_")[2], warnings=said,
     )  # fmt: skip

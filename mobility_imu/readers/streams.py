@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_floats, as_series, as_vectors
+from mobility_imu.frames import (
+    GAP_FACTOR,
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_floats,
+    as_series,
+    as_vectors,
+)
 from mobility_imu.readers.table import NumberTable
 from mobility_imu.readers.wording import quoted
 from mobility_imu.results import Result
 
+GIVEN = "given"
+"""Where the rate of streams comes from whose file states none: from the user."""
 BELIEVED = "clock=same"
 """Clock of streams whose stamps are believed, because the user says so."""
 
@@ -84,6 +94,21 @@ class Stream(Result):
         """Return the number of samples."""
         return len(self.time_s)
 
+    def held_warnings(self, whose: str) -> tuple[str, ...]:
+        """Whether most of its rows repeat the one before.
+
+        As :func:`mobility_imu.readers.streams.held_warnings` judges.
+
+        Parameters
+        ----------
+        whose : file and sensor, for the message
+
+        Returns
+        -------
+        tuple of str, empty or with one sentence
+        """
+        return held_warnings(self.time_s, self.acc_mps2, whose)
+
     def called(self, label: str, *, clock: str | None = None) -> Stream:
         """The same stream under another label.
 
@@ -139,10 +164,44 @@ class Asked(NamedTuple):
             )
         return self.sampling_rate_hz
 
+    def unused(self, streams: Sequence[Stream]) -> tuple[str, ...]:
+        """Whether a given sampling rate differs from that of a file's own clock, which is kept.
+
+        A difference of less than :data:`LARGEST_RATE_DIFFERENCE` is not told.
+
+        Parameters
+        ----------
+        streams : of one recording
+
+        Returns
+        -------
+        tuple of str, one sentence for each stream that has another rate
+        """
+        said = []
+        for stream in streams if self.sampling_rate_hz is not None else ():
+            step = np.diff(stream.time_s)
+            step = step[step > 0]
+            if stream.rate_from == GIVEN or not len(step):
+                continue
+            own = 1 / float(np.mean(step[step <= GAP_FACTOR * np.median(step)]))
+            assert self.sampling_rate_hz is not None
+            if abs(self.sampling_rate_hz - own) > LARGEST_RATE_DIFFERENCE * own:
+                said.append(
+                    f"{stream.source}: the given {self.sampling_rate_hz:g} Hz are not used: it has "
+                    f"{own:.5g} Hz from {stream.rate_from}"
+                )
+        return tuple(dict.fromkeys(said))
+
 
 FEWEST_TO_JUDGE = 100
 MOSTLY_HELD = 0.5
 """More repeated samples than this: the rate of the rows is not the rate of the sensor."""
+MOSTLY_TOGETHER = 0.5
+"""Part of the new samples that are new on all axes, below which the repeats come from coarse steps.
+Three axes of a sensor at rest seldom pass a step at once. Real files have 0.75 or more where
+samples are held, 0.03 or less where a sensor with coarse steps rests."""
+LARGEST_RATE_DIFFERENCE = 0.01
+"""Part by which a given sampling rate may differ from that of a file's own clock."""
 FACTORS = {
     "acc": {"m/s2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": STANDARD_GRAVITY_MPS2 / 1000},
     "gyr": {"rad/s": 1.0, "deg/s": float(np.pi / 180), "mrad/s": 1e-3},
@@ -219,6 +278,9 @@ def factor(quantity: str, unit: str, source: str) -> float:
 def held_warnings(time_s: FloatArray, acc_mps2: FloatArray, source: str) -> tuple[str, ...]:
     """Whether most rows repeat the one before: a logger that writes faster than its sensor reads.
 
+    A sensor that never changes is a fault of its own (:func:`mobility_imu.health.examine`), and one
+    with coarse steps at rest is none: its axes change one by one.
+
     Parameters
     ----------
     time_s : (n,) array, s
@@ -229,9 +291,12 @@ def held_warnings(time_s: FloatArray, acc_mps2: FloatArray, source: str) -> tupl
     -------
     tuple of str, empty or with one sentence
     """
-    held = (np.diff(acc_mps2, axis=0) == 0).all(axis=1)
+    changed = np.diff(acc_mps2, axis=0) != 0
+    held = ~changed.any(axis=1)
     span = float(np.ptp(time_s))
-    if len(held) < FEWEST_TO_JUDGE or span == 0 or held.mean() <= MOSTLY_HELD:
+    if len(held) < FEWEST_TO_JUDGE or not span > 0 or held.mean() <= MOSTLY_HELD or held.all():
+        return ()
+    if changed[~held].all(axis=1).mean() < MOSTLY_TOGETHER:
         return ()
     return (
         f"{source}: {100 * held.mean():.0f} % of the samples repeat the one before; the "
@@ -257,7 +322,7 @@ def stream_in_g_and_degrees(
     """
     return Stream(
         time_s,
-        table.columns(acc) * STANDARD_GRAVITY_MPS2,
-        np.deg2rad(table.columns(gyr)),
+        table.columns(acc, finite=True) * STANDARD_GRAVITY_MPS2,
+        np.deg2rad(table.columns(gyr, finite=True)),
         source=table.source,
     )

@@ -8,7 +8,7 @@ import io
 import re
 import stat
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
@@ -32,6 +32,10 @@ BINARY = {
     b"MATLAB 7.3": "a MATLAB file",
 }
 """How files begin that hold numbers, but no text."""
+MOST_COLUMNS = 20
+"""Names of columns that a message lists at most."""
+MEND_ROW = "correct it, or remove the row and give --fill-gaps-s (fill_gaps_s in Python)"
+"""What to do with a row of a recording that lacks a number."""
 _BLANKS = " \t\r\v\f"
 """What the parser of numbers passes over; a space that is not to be broken is none of them."""
 _LINE_ENDS = re.compile(r"\r\n|\r|\n")
@@ -77,6 +81,8 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
 def decoded(raw: bytes, source: str) -> str:
     """Text of a file in UTF-8, in UTF-16 with its mark, or as Windows in Western Europe writes it.
 
+    Lines may end as on an old Macintosh, which some programs still write.
+
     Parameters
     ----------
     raw : content
@@ -100,7 +106,7 @@ def decoded(raw: bytes, source: str) -> str:
         raise InputError(f"{source}: not a text file (byte {error.start})") from None
     if not text.strip():
         raise InputError(f"{source}: the file is empty")
-    return text
+    return text if "\n" in text else text.replace("\r", "\n")
 
 
 def _as_text(raw: bytes) -> str:
@@ -140,23 +146,29 @@ class NumberTable(Result):
     numbers : (n, columns) array; an empty cell is NaN
     source : the file's name, for messages
     left_out : names of columns that were not read
+    every : names of all columns of the file, in their order; empty if they are those of the header
+    text, first_line : as :func:`parse_numbers` took them; empty for what is no text table
     """
 
     header: list[str]
     numbers: FloatArray
     source: str
     left_out: tuple[str, ...] = ()
+    every: tuple[str, ...] = ()
+    text: str = ""
+    first_line: int = 1
 
     def __len__(self) -> int:
         """Number of rows."""
         return len(self.numbers)
 
-    def columns(self, wanted: Sequence[str]) -> FloatArray:
+    def columns(self, wanted: Sequence[str], *, finite: bool = False) -> FloatArray:
         """Columns with these names (any case), in this order.
 
         Parameters
         ----------
         wanted : names
+        finite : whether each row has to have a number in them
 
         Returns
         -------
@@ -165,15 +177,49 @@ class NumberTable(Result):
         Raises
         ------
         InputError
-            If a column is missing, or any name of the table appears twice.
+            If a column is missing, any name of the table appears twice, or a number is not finite.
         """
         places = self._places
         missing = [name for name in wanted if name.lower() not in places]
         if missing:
             raise InputError(
-                f"{self.source}: no column {listed(missing)} (it has: {listed(self.header)})"
+                f"{self.source}: no column {listed(missing)} (it has: {self.listed()})"
             )
-        return self.numbers[:, [places[name.lower()] for name in wanted]]
+        read = [places[name.lower()] for name in wanted]
+        if finite:
+            self.check_finite(read, advice=MEND_ROW)
+        return self.numbers[:, read]
+
+    def check_finite(self, places: Iterable[int], *, advice: str = "correct it") -> None:
+        """Check that columns have a number in every row.
+
+        Parameters
+        ----------
+        places : of the columns in the header
+        advice : what to do, the end of the message
+
+        Raises
+        ------
+        InputError
+            With the line of the first cell that is empty, NaN or infinite.
+        """
+        for k in places:
+            bad = ~np.isfinite(self.numbers[:, k])
+            if bad.any():
+                row = int(np.argmax(bad))
+                where = (
+                    f"line {line_of(self.text, row, self.first_line)}"
+                    if self.text
+                    else f"sample {row}"
+                )
+                raise InputError(
+                    f"{self.source}: {where}, column {quoted(self.header[k])}: expected a number, "
+                    f"got nothing, NaN or infinity ({int(bad.sum())} such row(s)); {advice}"
+                )
+
+    def listed(self) -> str:
+        """Names of the file's columns, as messages list them."""
+        return listed(self.every or self.header, MOST_COLUMNS)
 
     @cached_property
     def _places(self) -> dict[str, int]:
@@ -256,23 +302,24 @@ def parse_numbers(
     if values is None:
         values = _read_slowly(layout, columns, source)
     return NumberTable(
-        [names[k] for k in read], values[:, : len(columns)], source, left_out=left_out
-    )
+        [names[k] for k in read], values[:, : len(columns)], source, left_out=left_out, every=names,
+        text=text, first_line=first_line,
+    )  # fmt: skip
 
 
-def line_of(text: str, row: int) -> int:
+def line_of(text: str, row: int, first_line: int = 1) -> int:
     """Line in which a row of a table stands, as an editor counts lines.
 
     Parameters
     ----------
-    text : as :func:`parse_numbers` takes it
+    text, first_line : as :func:`parse_numbers` takes them
     row : from 0
 
     Returns
     -------
     int, from 1
     """
-    layout = find_layout(text, "")
+    layout = find_layout(text, "", first_line=first_line)
     lines = enumerate(_LINE_ENDS.split(layout.body), start=layout.line + 1)
     return next(islice((number for number, line in lines if line.strip()), row, None))
 
@@ -316,10 +363,15 @@ def _check_cells(layout: Layout, columns: Sequence[int], source: str) -> None:
     for number, cells in _rows(layout):
         if len(cells) != count:
             guess = ""
-            if len(cells) < count:
+            if len(cells) == 1 and len(row_of_words := cells[0].split()) > 1:
+                guess = (
+                    f"; {len(row_of_words)} words between blanks: separate them by commas, "
+                    "semicolons or tabs"
+                )
+            elif len(cells) < count:
                 guess = "; was the file cut short?"
             elif layout.separator == "," and _pairs_up(cells, count):
-                guess = "; decimal commas?"
+                guess = "; decimal commas? Then separate the cells by semicolons or tabs"
             raise InputError(f"{source}: line {number} has {len(cells)} of {count} cells{guess}")
         for k in columns:
             if not _is_number(cells[k], layout.decimal):

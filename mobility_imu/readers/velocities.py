@@ -24,6 +24,24 @@ LARGEST = {"linear": 40.0, "angular": 70.0}
 so a larger value is damaged, or in another unit."""
 STANDARD_DEVIATION = r"(?<![a-z])(?:sd|std)(?![a-z])"
 """In the name of a column that holds a standard deviation, not a velocity."""
+CLOCK_UNITS = {
+    "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0,
+}  # fmt: skip
+"""Seconds of the units that a time column's name may state."""
+LARGEST_DIFFERENCE = 0.01
+"""Part by which a given sampling rate may differ from that of the file's clock."""
+WORDS = {
+    "km": r"kilom[eè]t(?:er|re)s?|kil[oó]metros?", "cm": r"centim[eè]t(?:er|re)s?",
+    "m": r"m[eè]t(?:er|re)s?|metros?", "ms": r"milliseconds?|millisecondes?|milisegundos?",
+    "us": r"µs|μs|microseconds?", "s": r"sec|secs|seg|seconds?|secondes?|segundos?",
+    "min": r"mins|minutes?|minutos?", "h": r"hrs?|hours?|heures?|horas?",
+    "deg": r"degrees?|degr[eé]s?|grados?", "rad": r"radians?|radianes",
+}  # fmt: skip
+"""Units in words, in English, French and Spanish."""
+_COUNTS = re.compile(
+    r"(?<![a-z])(?:index|idx|samples?|frames?|counts?|counter|number|no|nr)(?![a-z])"
+)
+"""In the name of a column that counts rows: no clock."""
 _BRACKETED = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 _OTHER_UNIT = re.compile(
     r"mph|kts?|kn|knots?|ftps|fps|ips|rpm|rps|hz|deg|degrees?|rad"
@@ -59,12 +77,12 @@ def read_velocities(
     French, English and Spanish serve alike, and a time column by ``time``, ``temps``, ``tiempo``.
     Columns with ``sd`` or ``std`` as a word in their names hold standard deviations and are left
     aside. Their names state the units, as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that is not
-    stated is asked for.
+    stated is asked for. A time column is in s unless its name states another unit.
 
     Parameters
     ----------
     path : CSV with ``;`` or ``,``; with ``;`` also decimal commas
-    sampling_rate_hz : Hz, needed when there is no time column
+    sampling_rate_hz : Hz, needed when there is no time column; beside one, it has to fit its steps
     units : of the linear and the angular velocity, such as "m/s, deg/s"; for names without them
 
     Returns
@@ -74,8 +92,9 @@ def read_velocities(
     Raises
     ------
     InputError
-        Missing columns, NaN, times that are not even, no clock at all, a unit that nobody states
-        or that differs from the given one, a value beyond what a chair can do.
+        Missing columns, NaN, times that are not even or not at the given rate, no clock at all, a
+        unit that nobody states or that differs from the given one, a value beyond what a chair can
+        do.
     """
     source = str(path)
     text = read_text(path)
@@ -83,13 +102,17 @@ def read_velocities(
     header, values = table.header, table.numbers
     linear = _column(table, r"lin", "linear velocity ('lin')")
     angular = _column(table, r"ang|yaw", "angular velocity ('ang' or 'yaw')")
-    clock = [k for k, name in enumerate(header) if re.match(r"time|temps|tiempo", name.lower())]
-    _check_finite(table, [linear, angular, *clock], text)
+    clock = [k for k, name in enumerate(header) if _is_clock(name)]
+    table.check_finite([linear, angular, *clock])
     if clock:
-        time_s = values[:, clock[0]]
+        time_s = values[:, clock[0]] * _clock_unit(header[clock[0]], source)
         rate = _even_rate(time_s, source, text)
+        _check_given_rate(sampling_rate_hz, rate, source)
     elif sampling_rate_hz is None:
-        raise InputError(f"{source}: no time column, so the sampling rate must be given")
+        raise InputError(
+            f"{source}: no time column, so the sampling rate must be given "
+            "(--sampling-rate-hz; sampling_rate_hz in Python)"
+        )
     else:
         rate = check_rate(sampling_rate_hz, source)
         time_s = np.arange(len(values)) / rate
@@ -119,10 +142,47 @@ def _given_units(units: str | None) -> dict[str, str]:
     return {velocity: str(unit) for velocity, unit in zip(QUANTITIES, found, strict=True)}
 
 
+def _is_clock(name: str) -> bool:
+    lower = name.lower()
+    return re.match(r"time|temps|tiempo", lower) is not None and not _COUNTS.search(lower)
+
+
+def _clock_unit(name: str, source: str) -> float:
+    """Seconds of one unit of a time column; s if its name states none."""
+    bracketed = [text.strip() for text in _BRACKETED.findall(name) if text.strip()]
+    words = re.split(r"[\s_,.]+", _BRACKETED.sub(" ", name).strip())[1:]
+    stated = [unit for text in (*bracketed, *words) if (unit := _shortened(text)) in CLOCK_UNITS]
+    if len(set(stated)) > 1 or (bracketed and not stated):
+        raise InputError(
+            f"{source}: column {quoted(name)}: expected one unit of time "
+            f"({', '.join(CLOCK_UNITS)}); rename it"
+        )
+    return CLOCK_UNITS[stated[0]] if stated else 1.0
+
+
+def _check_given_rate(given_hz: float | None, found_hz: float, source: str) -> None:
+    if given_hz is None:
+        return
+    given_hz = check_rate(given_hz, source)
+    if abs(given_hz - found_hz) > LARGEST_DIFFERENCE * found_hz:
+        raise InputError(
+            f"{source}: its time column has {found_hz:g} Hz, but {given_hz:g} Hz is given "
+            "(--sampling-rate-hz, or freqAcq of the settings); leave it out, or correct the column"
+        )
+
+
+def _shortened(name: str) -> str:
+    """Name in which units in words are signs: "kilometers per hour" is "km/h"."""
+    text = name.lower()
+    for sign, word in WORDS.items():
+        text = re.sub(rf"(?<![^\W_])(?:{word})(?![^\W_])", sign, text)
+    return re.sub(r"(?<=[^\W_])[\s_]+(?:per|par|por)[\s_]+(?=[^\W_])", "/", text)
+
+
 def _stated_units(name: str) -> list[str]:
     """Units in a column's name: what stands in brackets, and what looks like one outside."""
-    name = re.sub(r"\s*/\s*", "/", name)
-    words = re.split(r"[\s_,]+", _BRACKETED.sub(" ", name).strip())[1:]
+    name = _shortened(re.sub(r"\s*/\s*", "/", name))
+    words = re.split(r"[\s_,]+", _BRACKETED.sub(" ", name).strip())
     # "v m s-1": a unit may itself hold blanks.
     pairs = [pair for pair in map(" ".join, pairwise(words)) if _is_known(pair)]
     outside = [word for word in words if _is_known(word) or _OTHER_UNIT.fullmatch(word.lower())]
@@ -179,17 +239,6 @@ def _in_si(
             f"{int(beyond.sum())} such row(s)); is it damaged, or in another unit?"
         )
     return values
-
-
-def _check_finite(table: NumberTable, places: list[int], text: str) -> None:
-    for k in places:
-        bad = ~np.isfinite(table.numbers[:, k])
-        if bad.any():
-            row = int(np.argmax(bad))
-            raise InputError(
-                f"{table.source}: line {line_of(text, row)}, column {quoted(table.header[k])}: "
-                f"expected a number, got nothing, NaN or infinity ({int(bad.sum())} such row(s))"
-            )
 
 
 def _even_rate(time_s: FloatArray, source: str, text: str) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.streams import GIVEN, Asked, Stream
 from mobility_imu.readers.table import parse_numbers
 
 SENSORS = {"Chassis": "frame", "RoueGauche": "left_wheel", "RoueDroite": "right_wheel"}
@@ -48,11 +48,11 @@ def read_wheelmove_id(text: str, source: str, asked: Asked) -> tuple[Stream, ...
     return tuple(
         Stream(
             time_s,
-            table.columns([f"{theirs}_Acc_{axis}" for axis in "XYZ"]),
-            table.columns([f"{theirs}_Gyr_{axis}" for axis in "XYZ"]),
+            table.columns([f"{theirs}_Acc_{axis}" for axis in "XYZ"], finite=True),
+            table.columns([f"{theirs}_Gyr_{axis}" for axis in "XYZ"], finite=True),
             source=source,
             label=ours,
-            rate_from="given",
+            rate_from=GIVEN,
             counted=True,
         )
         for theirs, ours in SENSORS.items()

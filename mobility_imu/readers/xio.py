@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mobility_imu.readers.streams import Asked, Stream, stream_in_g_and_degrees
+from mobility_imu.readers.streams import GIVEN, Asked, Stream, stream_in_g_and_degrees
 from mobility_imu.readers.table import parse_numbers
 
 ACCELEROMETER = [f"Accelerometer {axis} (g)" for axis in "XYZ"]
@@ -54,13 +54,13 @@ def read_xio(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     table = parse_numbers(text, source=source, wanted=READ.__contains__)
     clock = next((name for name in CLOCKS if name in table.header), None)
     if clock is not None:
-        time_s = table.columns([clock])[:, 0] * CLOCKS[clock]
+        time_s = table.columns([clock], finite=True)[:, 0] * CLOCKS[clock]
         return (stream_in_g_and_degrees(table, time_s, ACCELEROMETER, GYROSCOPE),)
     rate = asked.rate(source, "a file of the first x-IMU", " (its Registers.csv has it)")
     time_s = np.arange(len(table)) / rate
     found = stream_in_g_and_degrees(table, time_s, ACCELEROMETER, GYROSCOPE)
     return (
         Stream(
-            time_s, found.acc_mps2, found.gyr_radps, source=source, rate_from="given", counted=True
+            time_s, found.acc_mps2, found.gyr_radps, source=source, rate_from=GIVEN, counted=True
         ),
     )

@@ -8,6 +8,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
+from mobility_imu.readers.layout import comma_separated
 from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import listed
@@ -60,7 +61,7 @@ def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     InputError
         If a column is missing (real-time recordings hold no rates), or no row is usable.
     """
-    lines = text.split("\n", MOST_HEADER_LINES)
+    lines = comma_separated(text).split("\n", MOST_HEADER_LINES)
     head = next((k for k, line in enumerate(lines) if "SampleTimeFine" in line), None)
     if head is None:
         raise InputError(f"{source}: no line of names with SampleTimeFine; is it a DOT recording?")

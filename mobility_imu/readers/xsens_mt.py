@@ -334,7 +334,7 @@ def _update_rate(comments: str, source: str) -> float | None:
     """Rate in Hz that the comments state; None if there is no such line."""
     rates = set()
     for key, stated in re.findall(r"(Update Rate|Sample rate):(.*)", comments, re.IGNORECASE):
-        number = re.fullmatch(r"\s*(\d+(?:[.,]\d+)?)\s*(?:Hz)?\s*", stated, re.ASCII)
+        number = re.fullmatch(r"\s*(\d+(?:[.,]\d+)?)\s*(?:Hz)?[\s;,]*", stated, re.ASCII)
         if number is None:
             raise InputError(f"{source}: {key}:{quoted(stated)}, expected a number of Hz")
         rates.add(check_rate(float(number[1].replace(",", ".")), f"{source}: {key}:"))

@@ -75,3 +75,20 @@ def test_what_says_nothing_is_asked_for(files, fails, works):
 
 def test_an_input_is_not_replaced(files, fails):
     fails("read", *files, "-o", "left_wheel.csv", says=["left_wheel.csv", "is an input"])
+
+
+def test_a_recording_without_a_gyroscope_is_shown(tmp_path, works):
+    table = pd.read_csv(COURT / "court.csv.gz")
+    table.filter(regex="^time_s$|_acc_").to_csv(tmp_path / "acc.csv", index=False)
+    result = works("read", "acc.csv", "-o", "own.csv")
+    assert result.stdout.count("gyr     none") == 3
+    table.filter(regex="^time_s$|_acc_|^frame_").to_csv(tmp_path / "one.csv", index=False)
+    result = works("read", "one.csv")
+    assert result.stdout.count("gyr     none") == 2 and "at rest" in result.stdout
+
+
+def test_a_written_recording_says_where_its_times_begin(files, works):
+    """Canonical tables of different sensors, written one by one, do not share a start."""
+    result = works("read", *files, "-o", "trial.csv")
+    assert "its times count from its first sample: clock=same does not fit" in result.stderr
+    assert "count from its first" not in works("read", "trial.csv", "-o", "again.csv").stderr

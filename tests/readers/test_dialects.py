@@ -327,6 +327,7 @@ def test_a_rate_that_a_file_states_is_not_replaced(tmp_path, write):
     found = understand(write(made(), tmp_path), expected=("frame",), sampling_rate_hz=37)
     assert found.rate_from != "given"
     assert found.recording.sampling_rate_hz == pytest.approx(RATE_HZ, rel=0.01)
+    assert any("the given 37 Hz are not used" in sentence for sentence in found.warnings)
 
 
 MAP = """
