@@ -27,8 +27,6 @@ Choice = TypeVar("Choice")
 
 STANDARD_GRAVITY_MPS2 = 9.80665
 """What an ideal accelerometer at rest reads in total, m/s² (standard gravity)."""
-LARGEST_OFFSET_RADPS = 0.15
-"""No gyroscope that is sold has a larger offset (8.6 deg/s): it is a steady turn."""
 GAP_FACTOR = 1.5
 """A time step longer than this many usual ones is a gap; at 1.5 a sample is missing."""
 SHORTEST_STEP_S, LONGEST_STEP_S = 1e-9, 1e9

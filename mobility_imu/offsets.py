@@ -16,12 +16,12 @@ from scipy import ndimage
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
-    LARGEST_OFFSET_RADPS,
     FloatArray,
     as_flags,
     as_number,
     as_vectors,
 )
+from mobility_imu.quality import LARGEST_OFFSET_RADPS
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import long_runs, runs_of

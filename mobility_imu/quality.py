@@ -18,7 +18,6 @@ from scipy import ndimage
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
-    LARGEST_OFFSET_RADPS,
     FloatArray,
     as_count,
     as_floats,
@@ -26,6 +25,8 @@ from mobility_imu.frames import (
 )
 from mobility_imu.runs import long_runs, runs_of
 
+LARGEST_OFFSET_RADPS = 0.15
+"""No gyroscope that is sold has a larger offset (8.6 deg/s): it is a steady turn."""
 SHORTEST_FROZEN_S = 0.25
 """Seconds of the shortest repetition that is called frozen."""
 COARSE_REPEATS = 0.5

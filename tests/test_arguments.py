@@ -207,7 +207,7 @@ def test_settings_and_kinds():
 
 
 # Files
-@pytest.mark.parametrize("path", [None, 3, 3.0, b"x", ["a"], EYE, object()])
+@pytest.mark.parametrize("path", [None, 3, 3.0, b"x", ["a", 1], EYE, object()])
 def test_what_is_no_name_of_a_file_is_said(path):
     for read in (
         read_recording, recording_files, wheelchair.read_settings, as_path,

@@ -22,7 +22,7 @@ from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault
 from mobility_imu.filters import rms
-from mobility_imu.frames import LARGEST_OFFSET_RADPS, FloatArray, as_number
+from mobility_imu.frames import FloatArray, as_number
 from mobility_imu.offsets import (
     GyroscopeOffset,
     merge_offsets,
@@ -30,6 +30,7 @@ from mobility_imu.offsets import (
     rest_offsets,
     without_offsets,
 )
+from mobility_imu.quality import LARGEST_OFFSET_RADPS
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.wheelchair.faults import SMALL, sensor_faults

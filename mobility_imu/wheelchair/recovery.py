@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from mobility_imu.faults import Repair, with_half
-from mobility_imu.frames import LARGEST_OFFSET_RADPS, FloatArray
+from mobility_imu.frames import FloatArray
 from mobility_imu.health import frozen_gyroscope
 from mobility_imu.offsets import (
     UNKNOWN_OFFSET_SD_RADPS,
@@ -21,7 +21,7 @@ from mobility_imu.offsets import (
     rest_offsets,
     without_offsets,
 )
-from mobility_imu.quality import resolution_of, same_as_before
+from mobility_imu.quality import LARGEST_OFFSET_RADPS, resolution_of, same_as_before
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
