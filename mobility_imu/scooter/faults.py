@@ -87,16 +87,22 @@ def find_faults(
 
     Beside what :func:`~mobility_imu.health.examine` finds of each sensor alone: the lever's sensor
     late against the body's; both exchanged; axes of a gyroscope with the wrong sign, or left-handed
-    axes; scale and offset of a gyroscope; a sensor that is turned otherwise than the mount says;
-    and two sensors that contradict each other. Not so with one sensor, without gyroscopes, below
-    5 s or 10 Hz, where an accelerometer is lost for most of the time, or where a gyroscope or an
-    axis says nothing throughout. Where the closed form distrusts most samples (a recording that is
-    not of slow drive), only exchanged sensors, one that lies otherwise than it should at the
-    beginning, and offsets at rest are looked for.
+    axes; scale and offset of a gyroscope; axes of an accelerometer with the wrong sign, or
+    exchanged; a sensor that is turned otherwise than the mount says, or slips during the ride; and
+    two sensors that contradict each other. Of each accelerometer: no gravity for a while; another
+    length of gravity than a sensor can read; and readings that are given again.
 
-    What cannot be seen: scale and offset of an accelerometer, which on level ground are turns of
-    it; a turn of a sensor by less than the mount is uncertain; a scale below some per cent; a turn
-    of a sensor on a ride without curves and on smooth ground.
+    What both show together is not looked for with one sensor, without gyroscopes, below 5 s or
+    10 Hz, where an accelerometer is lost for most of the time, or where a gyroscope or an axis says
+    nothing throughout. Where the closed form distrusts most samples (a recording that is not of
+    slow drive), only exchanged sensors, wrong axes of an accelerometer, a sensor that slips, one
+    that lies otherwise than it should at the beginning, and offsets at rest are looked for.
+
+    What cannot be seen: a scale of an accelerometer below a fifth, and its offset, which on level
+    ground are turns of it; a turn of a sensor by less than the mount is uncertain; a slip about the
+    vertical, or one that moves the throttle by less than 10 deg or the steering by less than 25; a
+    scale of a gyroscope below some per cent; a turn of a sensor on a ride without curves and on
+    smooth ground.
 
     Parameters
     ----------

@@ -208,3 +208,11 @@ def test_coarse_sensors_at_rest_hold_nothing():
     for sensor in parked.sensors.values():
         assert not held_samples(sensor.acc_mps2, 100.0).any()
         assert not held_samples(np.repeat(sensor.gyr_radps, 2, axis=0), 200.0).any()
+
+
+@pytest.mark.parametrize("seed", [7, 23])
+def test_a_level_parked_body_has_no_axes_to_exchange(seed):
+    parked = simulate_parked(
+        pitch_rad=0.0, bank_rad=0.0, seed=seed, unit=draw_scooter(seed), sensor=REAL
+    )
+    assert "swapped" not in [fault.code for fault in find_faults(parked, SUZUKI_ET4D)]
