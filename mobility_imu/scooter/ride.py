@@ -28,7 +28,6 @@ from mobility_imu.results import Result
 from mobility_imu.scooter.angles import (
     ACCELERATED_FRACTION,
     LARGEST_ERROR_RAD,
-    LARGEST_LEAN_RAD,
     Form,
     angle_standard_deviations,
     estimate_angles,
@@ -52,9 +51,8 @@ PAPER_MEDIAN_S = (0.2, 0.3)
 """Length of a median that passes for the paper's, which is 0.25 s."""
 ODDS_S = 1.0
 """Time over which accelerations are averaged before fused angles are held against them."""
-CALM = 0.05
-"""Part of gravity by which the length of a force may be off where only gravity is felt: driving
-that turns it by 30 deg makes it longer by 15 %."""
+LARGEST_ANGLE_RAD = float(np.deg2rad(270.0))
+"""No control turns so far: a filter that is there has gone round once."""
 
 
 @dataclass(frozen=True)
@@ -425,7 +423,7 @@ def _fused(
     warning = (
         f"the filter's angles contradict the accelerations around them in {fraction:.0%} of the "
         f"samples, by more than {np.rad2deg(LARGEST_ERROR_RAD):.0f} deg and three standard "
-        "deviations, or the body lies: it went astray, and these samples are marked as not valid; "
+        "deviations: it went astray, and these samples are marked as not valid; "
         "are the sensors worse than FusionSettings assumes?"
     )
     return angles, found.settings, (warning,)
@@ -441,9 +439,8 @@ def _contradicted(
     """Where accelerations, averaged over a second, contradict the filter.
 
     A filter that has gone astray states a small standard deviation all the same. It has where the
-    closed form gives other angles; where an angle is more than half a turn, which no control is;
-    and where the body lies as no scooter stands. Elsewhere a closed form that is not valid says
-    nothing.
+    closed form gives other angles, and where an angle is beyond what any control has. Where the
+    closed form is not valid it says nothing.
     """
     width = max(1, round(ODDS_S * sampling_rate_hz))
     lever, body, steering, throttle = (
@@ -459,15 +456,8 @@ def _contradicted(
         apart = np.abs(wrap_angle(by_force - angle))
         bad |= closed.valid & np.isfinite(apart) & (apart > LARGEST_ERROR_RAD + 3 * sd)
     for angle in (found.steering_rad, found.throttle_rad):
-        bad |= np.abs(angle) > np.pi
-    return np.asarray(bad | _lies(body))
-
-
-def _lies(body: FloatArray) -> NDArray[np.bool_]:
-    """Where the body rests, or drives slowly, and does not stand upright."""
-    length = np.linalg.norm(body, axis=1)
-    calm = np.abs(length / STANDARD_GRAVITY_MPS2 - 1) < CALM
-    return np.asarray(calm & (body[:, 2] < np.cos(LARGEST_LEAN_RAD) * length))
+        bad |= np.abs(angle) > LARGEST_ANGLE_RAD
+    return bad
 
 
 def _scale_warnings(acc: dict[str, FloatArray], sampling_rate_hz: float) -> tuple[str, ...]:
