@@ -116,7 +116,8 @@ def _judged(
     tell_faults(faults, strict)
     found = mark_faults(estimate_ride(recording, geometry, mount, settings), faults)
     # The estimate says of some sensors what was told with its cost.
-    words = {"frozen": "frozen", "range": "saturated"}
+    words = {"frozen": "frozen", "range": "saturated", "no gravity": "weightless"}
+    words["scale"] = "out of scale"
     told = [f": {fault.sensor} is {words[fault.code]} " for fault in faults if fault.code in words]
     left = [text for text in found.warnings if not any(same in text for same in told)]
     warn(text.replace("median_window = ", "--median-window ") for text in left)

@@ -25,6 +25,7 @@ from mobility_imu.faults import (
     multiplied,
     shifted,
     turned_back,
+    with_half,
     without_offset,
 )
 from mobility_imu.filters import rms
@@ -38,6 +39,7 @@ from mobility_imu.scooter.machine import zeros_of
 from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.scooter.pose_check import pose_uncertainty
 from mobility_imu.scooter.sensor_pair import LARGE_OFFSET_RADPS, SensorPair
+from mobility_imu.scooter.slips import slip_of
 
 __all__ = ["Contradictions", "contradictions"]
 
@@ -81,6 +83,16 @@ FIRST_S = 1.0
 SHAFT_SD_RAD = float(np.deg2rad(2.8))
 """Turn of two IMUs about z, each stuck on by eye to 2 deg."""
 QUARTERS_DEG = (90.0, 180.0, 270.0)
+EVEN = (1.0, 1.0, 1.0)
+FORCE_AXES = (
+    ((0, 1, 2), (-1.0, 1.0, 1.0), "axis x of the accelerometer has the wrong sign"),
+    ((0, 1, 2), (1.0, -1.0, 1.0), "axis y of the accelerometer has the wrong sign"),
+    ((0, 1, 2), (1.0, 1.0, -1.0), "axis z of the accelerometer has the wrong sign"),
+    ((1, 0, 2), EVEN, "axes x and y of the accelerometer are exchanged"),
+    ((2, 1, 0), EVEN, "axes x and z of the accelerometer are exchanged"),
+    ((0, 2, 1), EVEN, "axes y and z of the accelerometer are exchanged"),
+)
+"""Axes, signs and words of what an export makes of an accelerometer's axes."""
 
 
 class _Suspect(NamedTuple):
@@ -148,6 +160,12 @@ def _faults_of(pair: SensorPair, *, on_one_clock: bool = False) -> Iterator[Faul
         return
     yield from _offset_at_rest(pair)
     yield from _offset_by_drift(pair)
+    # Parked, a mount by eye may explain the poses only in part.
+    drives = rms(pair.motion.body_locked) > LEAST_TURNING_RADPS
+    slipped = slip_of(pair, AT_ODDS) if drives else None
+    if slipped is not None:
+        yield slipped
+        return
     if pair.stated is None:
         yield from _tipped(pair)
     elif pair.stated.squared > AT_ODDS:
@@ -168,6 +186,7 @@ def _whole(pair: SensorPair) -> NDArray[np.bool_]:
 def _suspects(pair: SensorPair, on_one_clock: bool) -> Iterator[_Suspect]:
     """Each way in which a fault could have come about."""
     yield from _exchange(pair)
+    yield from _force_axes(pair)
     if pair.stated is None:
         return
     yield from _signs(pair)
@@ -220,6 +239,44 @@ def _signs(pair: SensorPair) -> Iterator[_Suspect]:
                 partial(multiplied, sensor=name, half="gyr", factors=np.array(signs)),
                 pair.with_rates(name, np.array(signs)),
             )  # fmt: skip
+
+
+def _force_axes(pair: SensorPair) -> Iterator[_Suspect]:
+    """Accelerometers with an axis reversed, or two exchanged; right ones leave nothing at odds."""
+    drives = rms(pair.motion.body_locked) > LEAST_TURNING_RADPS
+    # On a scooter that stands level the body's axes x and y feel nothing.
+    for name in ("lever", "body") if drives else ("lever",):
+        for axes, signs, what in FORCE_AXES:
+            repair = partial(rearranged, sensor=name, axes=axes, signs=signs)
+            after = pair.repaired(repair)
+            if after is None or after.squared > AT_ODDS:
+                continue
+            if pair.stated is None or after.squared < pair.stated.squared:
+                yield _Suspect(
+                    "reversed" if signs != EVEN else "swapped", f"{name}_acc",
+                    "feels gravity elsewhere than its gyroscope and the other sensor show: "
+                    f"{what}; check the export's axes", float("nan"), "", repair, after,
+                )  # fmt: skip
+
+
+def rearranged(
+    recording: Recording, sensor: str, axes: tuple[int, int, int], signs: tuple[float, float, float]
+) -> Recording:
+    """Recording in which an accelerometer's axes are others, some of them reversed.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    axes : the axis that each one is taken from
+    signs : factor of each, 1 or -1
+
+    Returns
+    -------
+    Recording
+    """
+    values = recording.sensor(sensor).acc_mps2[:, list(axes)] * np.array(signs)
+    return with_half(recording, sensor, "acc", values)
 
 
 def _scales(pair: SensorPair) -> Iterator[_Suspect]:

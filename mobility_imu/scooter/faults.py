@@ -14,6 +14,7 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
@@ -21,7 +22,9 @@ from mobility_imu.faults import Fault, Repair, all_repaired, interpolated, with_
 from mobility_imu.frames import FloatArray, wrap_angle
 from mobility_imu.health import FEWEST_VALUES, examine, fault_of, single_spikes
 from mobility_imu.recording import Recording
+from mobility_imu.runs import runs_of
 from mobility_imu.scooter.contradictions import Contradictions, contradictions
+from mobility_imu.scooter.force import held_faults, scale_fault, weightless
 from mobility_imu.scooter.geometry import ScooterGeometry
 from mobility_imu.scooter.mended import carried, lengthened, rebuilt, stretched
 from mobility_imu.scooter.mount import ScooterMount
@@ -70,6 +73,8 @@ MOSTLY = 0.5
 must not have lost to be held against another one."""
 GRADED = ("lag", "offset", "turned", "scale")
 """Faults that every recording has a little of."""
+LOST = ("frozen", "no gravity")
+"""Faults of an accelerometer that leave no reading."""
 
 
 def find_faults(
@@ -82,16 +87,22 @@ def find_faults(
 
     Beside what :func:`~mobility_imu.health.examine` finds of each sensor alone: the lever's sensor
     late against the body's; both exchanged; axes of a gyroscope with the wrong sign, or left-handed
-    axes; scale and offset of a gyroscope; a sensor that is turned otherwise than the mount says;
-    and two sensors that contradict each other. Not so with one sensor, without gyroscopes, below
-    5 s or 10 Hz, where an accelerometer is lost for most of the time, or where a gyroscope or an
-    axis says nothing throughout. Where the closed form distrusts most samples (a recording that is
-    not of slow drive), only exchanged sensors, one that lies otherwise than it should at the
-    beginning, and offsets at rest are looked for.
+    axes; scale and offset of a gyroscope; axes of an accelerometer with the wrong sign, or
+    exchanged; a sensor that is turned otherwise than the mount says, or slips during the ride; and
+    two sensors that contradict each other. Of each accelerometer: no gravity for a while; another
+    length of gravity than a sensor can read; and readings that are given again.
 
-    What cannot be seen: scale and offset of an accelerometer, which on level ground are turns of
-    it; a turn of a sensor by less than the mount is uncertain; a scale below some per cent; a turn
-    of a sensor on a ride without curves and on smooth ground.
+    What both show together is not looked for with one sensor, without gyroscopes, below 5 s or
+    10 Hz, where an accelerometer is lost for most of the time, or where a gyroscope or an axis says
+    nothing throughout. Where the closed form distrusts most samples (a recording that is not of
+    slow drive), only exchanged sensors, wrong axes of an accelerometer, a sensor that slips, one
+    that lies otherwise than it should at the beginning, and offsets at rest are looked for.
+
+    What cannot be seen: a scale of an accelerometer below a fifth, and its offset, which on level
+    ground are turns of it; a turn of a sensor by less than the mount is uncertain; a slip about the
+    vertical, or one that moves the throttle by less than 10 deg or the steering by less than 25; a
+    scale of a gyroscope below some per cent; a turn of a sensor on a ride without curves and on
+    smooth ground.
 
     Parameters
     ----------
@@ -136,7 +147,7 @@ def find_faults(
     together = Contradictions()
     complete = all(recording.sensor(name).gyr_radps is not None for name in settings.sensors)
     if len(settings.sensors) == 2 and complete and not any(map(_is_lost, others)):
-        together = contradictions(_mended(others, recording), geometry, mount)
+        together = _told_together(others, recording, geometry, mount)
     if together.signs_tested:
         alone = others
     return _priced([*together.faults, *alone], recording, geometry, mount, settings)
@@ -144,9 +155,35 @@ def find_faults(
 
 def _is_lost(fault: Fault) -> bool:
     """Whether too little is left of a sensor for another one to be held against it."""
-    if fault.code == "frozen" and fault.sensor.endswith("_acc"):
+    if fault.code in LOST and fault.sensor.endswith("_acc"):
         return bool(fault.flags.mean() > MOSTLY)
     return bool(fault.flags.all())
+
+
+def _told_together(
+    alone: Iterable[Fault],
+    recording: Recording,
+    geometry: ScooterGeometry,
+    mount: ScooterMount | None,
+) -> Contradictions:
+    """What both sensors show together, with the faults of each undone.
+
+    Where an accelerometer feels no gravity nothing comes back that another sensor could be held
+    against: the longest part without such a loss is looked at.
+    """
+    mended, kept = _mended(alone, recording), np.ones(len(recording), np.bool_)
+    for fault in alone:
+        if fault.code == "no gravity":
+            kept &= ~fault.flags
+    if kept.all():
+        return contradictions(mended, geometry, mount)
+    longest = max(runs_of(kept), key=lambda run: run.stop - run.start)
+    times = recording.time_s[longest]
+    found = contradictions(mended.trim(times[0], times[-1]), geometry, mount)
+    whole = np.ones(len(recording), np.bool_)
+    first_s = float(recording.time_s[0])
+    faults = tuple(replace(fault, flags=whole, first_s=first_s) for fault in found.faults)
+    return Contradictions(faults, found.signs_tested)
 
 
 def _mended(faults: Iterable[Fault], recording: Recording) -> Recording:
@@ -178,17 +215,23 @@ def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
     """
     expect("ride", ride, RideAngles)
     valid = np.array(ride.valid)
+    closed = ride.settings.method == "closed-form"
+    beside = ride.settings.median_window // 2 if closed else 0
     for fault in faults:
         if _is_used(fault, ride.settings) and _matters(fault, ride):
             valid &= ~fault.flags
+            if beside and fault.code == "held":
+                # A median has the readings on both sides in it.
+                valid &= ~ndimage.binary_dilation(fault.flags, iterations=beside)
     return replace(ride, valid=valid)
 
 
 def _is_used(fault: Fault, settings: RideSettings) -> bool:
-    """Whether the estimate reads what is at fault; only fusion reads gyroscopes."""
-    if settings.method == "fusion":
-        return True
-    return "_gyr" not in fault.sensor and fault.code != "at odds"
+    """Whether the estimate reads what is at fault; only fusion reads gyroscopes.
+
+    Sensors at odds may have a wrong accelerometer as well as a wrong gyroscope.
+    """
+    return settings.method == "fusion" or "_gyr" not in fault.sensor
 
 
 def _matters(fault: Fault, ride: RideAngles) -> bool:
@@ -212,7 +255,11 @@ def _alone(
     mount: ScooterMount | None,
 ) -> Iterator[Fault]:
     """Faults that one sensor shows by itself."""
-    spiky, told = set(), dict[str, NDArray[np.bool_]]()
+    spiky, told, broken = set(), dict[str, NDArray[np.bool_]](), set()
+    for fault in (held for name in names for held in held_faults(recording, name)):
+        # The reading that is given again belongs to its repetitions.
+        told[fault.sensor] = fault.flags | np.append(fault.flags[1:], False)
+        yield fault
     for fault in (*examine(recording), *_pinned(recording, names)):
         if not all(part.split("_")[0] in names for part in fault.sensor.split(", ")):
             continue
@@ -224,10 +271,19 @@ def _alone(
             if not (fault.flags & ~known).any():
                 continue
             told[fault.sensor] = known | fault.flags
+        if fault.code in ("range", "dead axis"):
+            broken.add(fault.sensor.rpartition("_acc")[0])
         if fault.code in ("frozen", "range"):
             fault = replace(fault, repair=_bridge(recording, fault, names, geometry, mount))
         yield fault
     for name in names:
+        lost = weightless(recording, name)
+        if lost is not None and (lost.flags & ~told.get(lost.sensor, np.False_)).any():
+            yield replace(lost, repair=_bridge(recording, lost, names, geometry, mount))
+        # A cut or dead axis shortens what is left.
+        scaled = None if name in broken else scale_fault(recording, name)
+        if scaled is not None:
+            yield scaled
         gyr = recording.sensor(name).gyr_radps
         quick = recording.sampling_rate_hz >= QUICK_HZ
         if gyr is None or not quick or f"{name}_gyr" in spiky:
@@ -271,13 +327,14 @@ def _bridge(
     name, half = fault.sensor.split("_")[:2]
     gyroscopes = all(recording.sensor(one).gyr_radps is not None for one in names)
     alone = len(names) < 2 or not gyroscopes
-    if (fault.code, half) == ("frozen", "acc"):
+    if fault.code in LOST and half == "acc":
         # A line needs readings on both sides, the hinges' rates those on one.
         if fault.flags.all() or (alone and (fault.flags[0] or fault.flags[-1])):
             return None
     if alone:
         return fault.repair
-    ways = {("frozen", "gyr"): rebuilt, ("frozen", "acc"): carried, ("range", "gyr"): stretched}
+    ways = {("frozen", "gyr"): rebuilt, ("range", "gyr"): stretched}
+    ways |= {(code, "acc"): carried for code in LOST}
     if (fault.code, half) == ("range", "acc"):
         return partial(lengthened, sensor=name, flags=fault.flags)
     way = ways.get((fault.code, half))
@@ -376,7 +433,7 @@ def _priced(
         fault = replace(fault, repair=faults[k].repair)
         moved = runs.moved_sds(k)
         if moved is None:
-            told.append(_of_unknown_cost(fault, settings))
+            told.append(_of_unknown_cost(fault))
             continue
         most = float(moved.max(initial=0.0))
         if fault.code == "lag" and fault.size < USUAL["lag"]:
@@ -393,18 +450,18 @@ def _priced(
     return tuple(told)
 
 
-def _of_unknown_cost(fault: Fault, settings: RideSettings) -> Fault:
+def _of_unknown_cost(fault: Fault) -> Fault:
     if fault.code != "at odds":
         return replace(fault, costs=())
-    used = _is_used(fault, settings)
-    means = "the angles are not valid" if used else "the closed form does not use the gyroscopes"
-    return replace(fault, sentence=f"{fault.sentence}; {means}")
+    return replace(fault, sentence=f"{fault.sentence}; the angles are not valid")
 
 
 def _says_little(settings: RideSettings, fault: Fault) -> str:
     """That a fault hardly matters, in words that are true of the estimate."""
     if not _is_used(fault, settings):
         return "the closed form does not use it"
+    if settings.method == "closed-form" and _is_scale_of_force(fault):
+        return "the closed form takes it for an acceleration, and no sample is valid"
     if settings.method == "closed-form" and settings.acc_noise_mps2 is None:
         return f"it moves the angles by less than {LEAST_MOVED_DEG:.0f} deg"
     return "it moves the angles by less than their standard deviation"
@@ -422,7 +479,13 @@ def _least_sds(fault: Fault) -> float:
     return LEAST_SDS if size < BY_CHANCE.get(kind, 0.0) else 0.0
 
 
+def _is_scale_of_force(fault: Fault) -> bool:
+    return fault.code == "scale" and fault.sensor.endswith("_acc")
+
+
 def _is_gross(fault: Fault) -> bool:
+    if _is_scale_of_force(fault):
+        return True  # that small ones are no fault is known before
     if fault.code == "scale":
         return max(fault.size, 1 / fault.size) > GROSS_SCALE
     return fault.size > GROSS.get(fault.code, np.inf)

@@ -14,7 +14,14 @@ from scipy import ndimage
 from mobility_imu.arguments import check_columns, expect, for_each, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.filters import median_filter
-from mobility_imu.frames import FloatArray, as_count, as_number, one_of, wrap_angle
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_count,
+    as_number,
+    one_of,
+    wrap_angle,
+)
 from mobility_imu.quality import frozen_samples, saturated_samples, turned_gravity
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
@@ -25,6 +32,7 @@ from mobility_imu.scooter.angles import (
     angle_standard_deviations,
     estimate_angles,
 )
+from mobility_imu.scooter.force import forceless, held_samples, wrong_length
 from mobility_imu.scooter.fusion import FusedAngles, fuse_angles
 from mobility_imu.scooter.fusion_noise import smallest_step
 from mobility_imu.scooter.fusion_settings import FusionSettings
@@ -43,6 +51,8 @@ PAPER_MEDIAN_S = (0.2, 0.3)
 """Length of a median that passes for the paper's, which is 0.25 s."""
 ODDS_S = 1.0
 """Time over which accelerations are averaged before fused angles are held against them."""
+LARGEST_ANGLE_RAD = float(np.deg2rad(270.0))
+"""No control turns so far: a filter that is there has gone round once."""
 
 
 @dataclass(frozen=True)
@@ -113,8 +123,8 @@ class RideAngles(Result):
     steering_rad, throttle_rad : (n,) arrays, rad, positive to the left and with the lever pushed
     steering_sd_rad, throttle_sd_rad : (n,) arrays, rad, one standard deviation by the sensors'
         noise; NaN for the closed form without a stated noise
-    valid : (n,) bool array: the method trusts the sample, no accelerometer that is used is frozen
-        or saturated, and the accelerations do not contradict the filter
+    valid : (n,) bool array: the method trusts the sample, no accelerometer that is used is frozen,
+        saturated, weightless or out of scale, and the accelerations do not contradict the filter
     settings : RideSettings; with fusion, ``settings.fusion`` has the sizes that were used
     warnings : sentences for the user
     """
@@ -249,6 +259,8 @@ def _estimate(
             warnings += [f"{ride.source}: {warning}" for warning in odds]
         else:
             angles, accelerated = _closed_form(acc, geometry, mount, settings)
+            scaled = _scale_warnings(acc, ride.sampling_rate_hz)
+            accelerated = scaled or accelerated  # no acceleration lasts for a whole ride
             warnings += [f"{ride.source}: {warning}" for warning in accelerated]
             warnings += _median_warnings(settings.median_window, ride.sampling_rate_hz)
     except InputError as error:
@@ -267,7 +279,7 @@ def _estimate(
 
 
 def usable_samples(ride: Recording, names: Sequence[str]) -> tuple[NDArray[np.bool_], list[str]]:
-    """Samples in which no accelerometer is frozen or saturated, and a sentence on the others.
+    """Samples in which no accelerometer is frozen, saturated or weightless; a sentence on others.
 
     Parameters
     ----------
@@ -281,10 +293,12 @@ def usable_samples(ride: Recording, names: Sequence[str]) -> tuple[NDArray[np.bo
     """
     usable, warnings = np.ones(len(ride), bool), []
     for name in names:
-        acc = ride.sensor(name).acc_mps2
+        acc, rate_hz = ride.sensor(name).acc_mps2, ride.sampling_rate_hz
+        frozen = frozen_samples(acc, rate_hz, follows=_felt(ride, name))
         for what, bad in (
-            ("is frozen", frozen_samples(acc, ride.sampling_rate_hz, follows=_felt(ride, name))),
-            ("is saturated", saturated_samples(acc)),
+            ("is frozen", frozen),
+            ("is saturated", saturated_samples(acc) & ~held_samples(acc, rate_hz, first=True)),
+            ("is weightless", forceless(acc, rate_hz) & ~frozen),
         ):
             if bad.any():
                 warnings.append(
@@ -391,6 +405,9 @@ def _fused(
         smooth=settings.smooth,
     )
     contradicted = _contradicted(found, lever_acc, body_acc, sampling_rate_hz, geometry)
+    scaled = _scale_warnings(acc, sampling_rate_hz)
+    if scaled:
+        contradicted[:] = True
     angles = (
         found.steering_rad,
         found.throttle_rad,
@@ -398,14 +415,16 @@ def _fused(
         found.throttle_sd_rad,
         found.valid & ~contradicted,
     )
+    if scaled:
+        return angles, found.settings, scaled
     fraction = float(contradicted.mean())
     if fraction <= ACCELERATED_FRACTION:
         return angles, found.settings, ()
     warning = (
-        f"the filter's steering contradicts the accelerations around it in {fraction:.0%} of the "
+        f"the filter's angles contradict the accelerations around them in {fraction:.0%} of the "
         f"samples, by more than {np.rad2deg(LARGEST_ERROR_RAD):.0f} deg and three standard "
-        "deviations: it went astray, and these samples are marked as not valid; are the sensors "
-        "worse than FusionSettings assumes?"
+        "deviations: it went astray, and these samples are marked as not valid; "
+        "are the sensors worse than FusionSettings assumes?"
     )
     return angles, found.settings, (warning,)
 
@@ -417,17 +436,37 @@ def _contradicted(
     sampling_rate_hz: float,
     geometry: ScooterGeometry,
 ) -> NDArray[np.bool_]:
-    """Where the closed form, of accelerations averaged over a second, gives another steering.
+    """Where accelerations, averaged over a second, contradict the filter.
 
-    A filter that has gone astray states a small standard deviation all the same. Where the closed
-    form is not valid it says nothing.
+    A filter that has gone astray states a small standard deviation all the same. It has where the
+    closed form gives other angles, and where an angle is beyond what any control has. Where the
+    closed form is not valid it says nothing.
     """
     width = max(1, round(ODDS_S * sampling_rate_hz))
-    lever, body, steering = (
+    lever, body, steering, throttle = (
         ndimage.uniform_filter1d(values, width, axis=0)
-        for values in (lever_acc, body_acc, found.steering_rad)
+        for values in (lever_acc, body_acc, found.steering_rad, found.throttle_rad)
     )
     closed = estimate_angles(lever, body, geometry)
-    apart = np.abs(wrap_angle(closed.steering_rad - steering))
-    limit = LARGEST_ERROR_RAD + 3 * found.steering_sd_rad
-    return np.asarray(closed.valid & np.isfinite(apart) & (apart > limit))
+    bad = np.zeros(len(lever), np.bool_)
+    for angle, by_force, sd in (
+        (steering, closed.steering_rad, found.steering_sd_rad),
+        (throttle, closed.throttle_rad, found.throttle_sd_rad),
+    ):
+        apart = np.abs(wrap_angle(by_force - angle))
+        bad |= closed.valid & np.isfinite(apart) & (apart > LARGEST_ERROR_RAD + 3 * sd)
+    for angle in (found.steering_rad, found.throttle_rad):
+        bad |= np.abs(angle) > LARGEST_ANGLE_RAD
+    return bad
+
+
+def _scale_warnings(acc: dict[str, FloatArray], sampling_rate_hz: float) -> tuple[str, ...]:
+    """What is said of accelerometers whose length of gravity no sensor reads."""
+    lengths = {name: wrong_length(values, sampling_rate_hz) for name, values in acc.items()}
+    return tuple(
+        f"{name}_acc is out of scale and reads {length:.3g} m/s² of gravity, expected about "
+        f"{STANDARD_GRAVITY_MPS2:.2f}; check the unit and the range that it was exported with; no "
+        "sample is valid"
+        for name, length in lengths.items()
+        if length is not None
+    )

@@ -151,7 +151,7 @@ def test_a_sensor_that_fell_over():
 
 
 def test_sensors_that_nothing_makes_agree():
-    """The body's gyroscope of another ride, backwards: no sample of the fusion is valid."""
+    """The body's gyroscope of another ride, backwards: no sample is valid."""
     other = ride(52).gyroscope("body")[::-1]
     count = min(len(ride()), len(other))
     sensors = {
@@ -164,8 +164,8 @@ def test_sensors_that_nothing_makes_agree():
     assert "the angles are not valid" in found.told
     marked = mark_faults(estimate_ride(mixed, SUZUKI_ET4D, None, FUSION), [found])
     assert not marked.valid.any()
-    closed = estimate_ride(mixed, SUZUKI_ET4D)
-    assert (mark_faults(closed, [found]).valid == closed.valid).all()
+    # An accelerometer may be wrong as well, and the closed form has nothing else.
+    assert not mark_faults(estimate_ride(mixed, SUZUKI_ET4D), [found]).valid.any()
 
 
 def test_the_closed_form_does_not_mind_a_gyroscope():

@@ -1,0 +1,202 @@
+"""What an accelerometer of a scooter must feel: gravity, everywhere and always.
+
+A scooter neither falls nor flies, and drives slowly. So the length of what an accelerometer reads
+is gravity's, averaged over half a second to within what driving adds, and its readings are new ones
+at each sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from mobility_imu.faults import Fault, interpolated, multiplied
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.health import fault_of
+from mobility_imu.quality import (
+    FELT_STEPS,
+    FINE_REPEATS,
+    frozen_samples,
+    resolution_of,
+    same_as_before,
+)
+from mobility_imu.recording import Recording
+from mobility_imu.runs import long_runs, runs_of
+
+__all__ = ["forceless", "held_faults", "held_samples", "scale_fault", "weightless", "wrong_length"]
+
+MEAN_S = 0.5
+"""Lengths are averaged over this: blows last shorter."""
+LEAST_FORCE = 0.5
+"""Part of gravity below which no mean length can be: a scooter that drops off a kerb of 0.1 m falls
+for 0.14 s, which leaves 0.7."""
+LARGEST_SCALE = 1.2
+"""Factor by which the length of gravity may be off: accelerometers of consumer sensors have read
+8.4 to 10.7 m/s² at rest (data/reference/real_sensors.csv), offsets among it."""
+SHORTEST_HELD_S = 0.05
+"""Readings that repeat for as long are late by half of it on average, 25 ms."""
+FEWEST_HELD = 3
+"""... and more samples than a doubled one."""
+LEAST_HELD = 0.05
+"""Part of the samples from which on held readings are told."""
+
+
+def forceless(acc_mps2: FloatArray, sampling_rate_hz: float) -> NDArray[np.bool_]:
+    """Where an accelerometer feels no gravity.
+
+    Parameters
+    ----------
+    acc_mps2 : (n, 3) array, m/s²
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    length = np.linalg.norm(acc_mps2, axis=1)
+    width = max(1, round(MEAN_S * sampling_rate_hz))
+    least = LEAST_FORCE * STANDARD_GRAVITY_MPS2
+    lost = ndimage.uniform_filter1d(length, width) < least
+    # Means are half lost at the ends of a loss.
+    beside = ndimage.binary_dilation(lost, iterations=width) & (length < least)
+    return np.asarray(lost | beside)
+
+
+def length_at_rest(acc_mps2: FloatArray, sampling_rate_hz: float) -> float:
+    """Length that an accelerometer reads of gravity: the median of its averaged readings.
+
+    Parameters
+    ----------
+    acc_mps2 : (n, 3) array, m/s²
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    float, m/s²
+    """
+    width = max(1, round(MEAN_S * sampling_rate_hz))
+    mean = ndimage.uniform_filter1d(acc_mps2, width, axis=0)
+    return float(np.median(np.linalg.norm(mean, axis=1)))
+
+
+def wrong_length(acc_mps2: FloatArray, sampling_rate_hz: float) -> float | None:
+    """Length of gravity if no sensor in m/s² reads such a one; None if one can.
+
+    Parameters
+    ----------
+    acc_mps2 : (n, 3) array, m/s²
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    float, m/s², or None
+    """
+    felt = ~forceless(acc_mps2, sampling_rate_hz)
+    if not felt.any():
+        return None
+    length = length_at_rest(acc_mps2[felt], sampling_rate_hz)
+    off = abs(float(np.log(length / STANDARD_GRAVITY_MPS2)))
+    return length if off > np.log(LARGEST_SCALE) else None
+
+
+def held_samples(
+    values: FloatArray, sampling_rate_hz: float, *, first: bool = False
+) -> NDArray[np.bool_]:
+    """Where a sensor gives an old reading again, time after time.
+
+    Parameters
+    ----------
+    values : (n, 3) array, of one half of a sensor
+    sampling_rate_hz : Hz
+    first : whether the reading that is given again belongs to its repetitions
+
+    Returns
+    -------
+    (n,) bool array; none where the steps of the sensor
+    explain it, or where it is rare
+    """
+    count = max(FEWEST_HELD, round(SHORTEST_HELD_S * sampling_rate_hz))
+    held = long_runs(same_as_before(values), count - 1, grow=False)
+    held &= ~frozen_samples(values, sampling_rate_hz)
+    if held.mean() < LEAST_HELD:
+        return np.zeros(len(values), np.bool_)
+    resolution = resolution_of(values, skip=held)
+    if not resolution.pairs or resolution.repeats.prod() > FINE_REPEATS ** values.shape[1]:
+        # Steps may hold a reading at rest; then the next one is a step away.
+        for run in runs_of(held):
+            after = np.abs(values[min(run.stop, len(values) - 1)] - values[run.start])
+            held[run] = (after > FELT_STEPS * resolution.step).any()
+    if held.mean() < LEAST_HELD:
+        return np.zeros(len(values), np.bool_)
+    return held | np.append(held[1:], False) if first else held
+
+
+def held_faults(recording: Recording, name: str) -> Iterator[Fault]:
+    """Halves of a sensor that give old readings again."""
+    sensor, rate_hz = recording.sensor(name), recording.sampling_rate_hz
+    for half, values in (("acc", sensor.acc_mps2), ("gyr", sensor.gyr_radps)):
+        if values is None:
+            continue
+        held = held_samples(values, rate_hz)
+        if held.any():
+            starts = int((held & ~np.r_[False, held[:-1]]).sum())
+            longest_s = held.sum() / starts / rate_hz
+            yield fault_of(
+                recording, "held", f"{name}_{half}", held,
+                f"gives its last reading again, for {longest_s:.2g} s each time: it is read more "
+                "often than it measures, or loses readings; record with its own rate",
+                size=float(longest_s), unit="s",
+                repair=partial(interpolated, sensor=name, half=half, flags=held),
+            )  # fmt: skip
+
+
+def weightless(recording: Recording, name: str) -> Fault | None:
+    """Accelerometer that feels no gravity for a while.
+
+    Parameters
+    ----------
+    recording : Recording
+    name : of the sensor
+
+    Returns
+    -------
+    Fault, or None
+    """
+    acc, rate_hz = recording.sensor(name).acc_mps2, recording.sampling_rate_hz
+    lost = forceless(acc, rate_hz)
+    if not lost.any() or length_at_rest(acc, rate_hz) < LEAST_FORCE * STANDARD_GRAVITY_MPS2:
+        return None  # in g, or dead: the estimate is refused
+    return fault_of(
+        recording, "no gravity", f"{name}_acc", lost,
+        "feels no gravity, which is everywhere: it is dead there; leave these times out, or use "
+        "another sensor", size=float(lost.sum() / rate_hz), unit="s",
+        repair=partial(interpolated, sensor=name, half="acc", flags=lost),
+    )  # fmt: skip
+
+
+def scale_fault(recording: Recording, name: str) -> Fault | None:
+    """Accelerometer whose length of gravity no sensor in m/s² reads.
+
+    Parameters
+    ----------
+    recording : Recording
+    name : of the sensor
+
+    Returns
+    -------
+    Fault, or None
+    """
+    length = wrong_length(recording.sensor(name).acc_mps2, recording.sampling_rate_hz)
+    if length is None or length < LEAST_FORCE * STANDARD_GRAVITY_MPS2:
+        return None
+    times = length / STANDARD_GRAVITY_MPS2
+    return fault_of(
+        recording, "scale", f"{name}_acc", np.ones(len(recording), np.bool_),
+        f"reads {length:.3g} m/s² of gravity, {times:.2f} times what it is: check the unit and the "
+        "range that it was exported with", size=times, unit="times",
+        repair=partial(multiplied, sensor=name, half="acc", factors=1 / times),
+    )  # fmt: skip

@@ -1,0 +1,218 @@
+"""Scooter, forces: what an accelerometer cannot say, and a sensor that slips."""
+
+import numpy as np
+import pytest
+from rides import FUSION, mount, ride
+from scipy.spatial.transform import Rotation
+
+from mobility_imu.faults import with_half
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.scooter import (
+    SUZUKI_ET4D,
+    RideSettings,
+    estimate_ride,
+    find_faults,
+    mark_faults,
+)
+from mobility_imu.scooter.contradictions import rearranged
+from mobility_imu.scooter.force import forceless, held_samples, wrong_length
+from mobility_imu.scooter.slips import steps_of
+from mobility_imu.simulation import faults as put
+from mobility_imu.simulation.scooter import draw_scooter, simulate_parked
+from mobility_imu.simulation.sensor import REAL
+
+CLOSED = RideSettings()
+METHODS = pytest.mark.parametrize("settings", [FUSION, CLOSED], ids=["fusion", "closed"])
+SENSORS = pytest.mark.parametrize("sensor", ["lever", "body"])
+
+
+def judged(recording, settings):
+    """Faults of a ride, and its angles once they are marked."""
+    found = find_faults(recording, SUZUKI_ET4D, mount(), settings)
+    return found, mark_faults(estimate_ride(recording, SUZUKI_ET4D, mount(), settings), found)
+
+
+def errors_deg(marked, sound):
+    """Largest change of an angle in what is valid, whole turns among it."""
+    apart = np.abs(
+        [marked.steering_rad - sound.steering_rad, marked.throttle_rad - sound.throttle_rad]
+    )
+    return np.rad2deg(apart[:, marked.valid].max(initial=0.0))
+
+
+def dead(recording, sensor, where):
+    """Accelerometer that gives noise alone."""
+    values = np.array(recording.sensor(sensor).acc_mps2)
+    values[where] = np.random.default_rng(1).normal(0, 0.01, values[where].shape)
+    return with_half(recording, sensor, "acc", values)
+
+
+def when(place, length_s=3.0):
+    time_s = ride().time_s
+    first = {"begin": 0.0, "middle": 8.0, "end": time_s[-1] - length_s + 0.005}[place]
+    return (time_s >= first) & (time_s < first + length_s)
+
+
+@METHODS
+@SENSORS
+@pytest.mark.parametrize("place", ["begin", "middle", "end"])
+def test_an_accelerometer_without_gravity_is_told_and_nothing_else(place, sensor, settings):
+    lost = when(place)
+    found, marked = judged(dead(ride(), sensor, lost), settings)
+    assert [(fault.code, fault.sensor) for fault in found] == [("no gravity", f"{sensor}_acc")]
+    assert found[0].size == pytest.approx(3.0, abs=0.02)
+    assert not marked.valid[lost].any()
+    sound = estimate_ride(ride(), SUZUKI_ET4D, mount(), settings)
+    if settings == CLOSED:
+        assert errors_deg(marked, sound) < 8
+    else:
+        apart = np.abs(marked.steering_rad - sound.steering_rad) / marked.steering_sd_rad
+        assert apart[marked.valid].max(initial=0.0) < 4
+
+
+def test_the_estimate_itself_does_not_trust_what_feels_no_gravity():
+    lost = when("begin")
+    found = estimate_ride(dead(ride(), "lever", lost), SUZUKI_ET4D, mount(), FUSION)
+    assert not found.valid[lost].any()
+    assert (np.abs(found.throttle_rad[found.valid]) < 1.5 * np.pi).all()
+    assert any("lever_acc is weightless in 300 samples" in text for text in found.warnings)
+
+
+def test_a_blow_is_no_loss_of_gravity():
+    acc = np.array(ride().sensor("body").acc_mps2)
+    acc[500:514] = 0.0
+    assert not forceless(acc, 100.0).any()
+    assert not forceless(ride().sensor("lever").acc_mps2, 100.0).any()
+
+
+@METHODS
+@SENSORS
+@pytest.mark.parametrize("factor", [4.0, 2.0, 1.5, 1.25])
+def test_an_accelerometer_in_another_range_is_told(factor, sensor, settings):
+    found, marked = judged(put.scale(ride(), sensor, "acc", factor), settings)
+    assert [(fault.code, fault.sensor) for fault in found] == [("scale", f"{sensor}_acc")]
+    assert found[0].size == pytest.approx(factor, rel=0.03)
+    assert not marked.valid.any()
+    (warning,) = [text for text in marked.warnings if "_acc" in text]
+    assert f"{sensor}_acc is out of scale" in warning
+    assert not any("accelerated" in text for text in marked.warnings)
+
+
+@pytest.mark.parametrize("factor", [0.87, 1.0, 1.1])
+def test_lengths_that_sensors_of_others_read_are_right(factor):
+    assert wrong_length(factor * ride().sensor("lever").acc_mps2, 100.0) is None
+
+
+def slipped(recording, sensor, axis, angle_deg, at_s):
+    turn = Rotation.from_euler(axis, angle_deg, degrees=True).as_matrix()
+    later, imu = recording.time_s >= at_s, recording.sensor(sensor)
+    halves = [
+        np.where(later[:, None], values @ turn.T, values)
+        for values in (imu.acc_mps2, imu.gyr_radps)
+    ]
+    return Recording(
+        recording.time_s, {**recording.sensors, sensor: Imu(*halves)}, source="slipped.csv"
+    )
+
+
+@METHODS
+@pytest.mark.parametrize(
+    ("sensor", "axis", "angle_deg", "at_s"),
+    [
+        ("body", "y", 40, 10.2),
+        ("body", "y", 40, 5.0),
+        ("lever", "x", 15, 10.2),
+        ("lever", "y", 40, 10.2),
+        ("lever", "y", 15, 10.2),
+        ("body", "x", 15, 10.2),
+        ("body", "y", 15, 10.2),
+    ],
+)
+def test_a_sensor_that_slips_during_the_ride(sensor, axis, angle_deg, at_s, settings):
+    found, marked = judged(slipped(ride(), sensor, axis, angle_deg, at_s), settings)
+    assert [fault.code for fault in found] == ["slipped"]
+    assert "do not agree before and after" in found[0].told
+    assert not marked.valid.any()
+
+
+def test_a_step_is_found_where_it_is():
+    time_s = np.arange(200) / 10
+    values = 0.1 * time_s + 2.0 * (time_s >= 7.0)
+    step = steps_of(values + np.random.default_rng(2).normal(0, 0.3, 200), time_s)
+    assert step.time_s == pytest.approx(7.0, abs=0.2) and step.size == pytest.approx(2.0, abs=0.2)
+    assert step.explained > 0.7
+    assert steps_of(values[:10], time_s[:10]).size == 0
+
+
+SIGNS = {"x": (-1, 1, 1), "y": (1, -1, 1)}
+
+
+@METHODS
+@SENSORS
+@pytest.mark.parametrize("axis", SIGNS)
+def test_an_axis_of_an_accelerometer_with_the_wrong_sign(axis, sensor, settings):
+    """The gyroscope is not blamed, and the closed form is not believed."""
+    found, marked = judged(put.scale(ride(), sensor, "acc", SIGNS[axis]), settings)
+    assert [(fault.code, fault.sensor) for fault in found] == [("reversed", f"{sensor}_acc")]
+    assert f"axis {axis} of the accelerometer has the wrong sign" in found[0].sentence
+    assert not marked.valid.any()
+
+
+@METHODS
+@pytest.mark.parametrize(
+    ("sensor", "axes"), [("lever", (0, 2, 1)), ("lever", (1, 0, 2)), ("body", (1, 0, 2))]
+)
+def test_axes_of_an_accelerometer_that_are_exchanged(sensor, axes, settings):
+    found, marked = judged(rearranged(ride(), sensor, axes, (1, 1, 1)), settings)
+    assert [(fault.code, fault.sensor) for fault in found] == [("swapped", f"{sensor}_acc")]
+    assert not marked.valid.any()
+
+
+def test_a_lag_that_is_longer_than_any_that_is_looked_for():
+    """It cannot be measured, and the closed form mixes two times."""
+    found, marked = judged(put.late(ride(), "lever", 3.0), CLOSED)
+    assert found[0].code == "at odds" and "slipped" not in [fault.code for fault in found]
+    assert found[0].told.endswith("the angles are not valid") and not marked.valid.any()
+
+
+def held(recording, sensor, half, every, count):
+    """Readings of which some are given again."""
+    values = recording.sensor(sensor).acc_mps2 if half == "acc" else recording.gyroscope(sensor)
+    place = np.arange(len(values))
+    fresh = np.where(place % every < count, place - place % every, place)
+    return with_half(recording, sensor, half, values[fresh])
+
+
+@METHODS
+def test_readings_that_are_given_again_are_told_as_such(settings):
+    """A quarter of the readings: too short each for a frozen sensor."""
+    faulty = held(ride(), "lever", "acc", 50, 15)
+    found, marked = judged(faulty, settings)
+    assert [(fault.code, fault.sensor) for fault in found] == [("held", "lever_acc")]
+    assert found[0].size == pytest.approx(0.14, abs=0.01)
+    sound = estimate_ride(ride(), SUZUKI_ET4D, mount(), settings)
+    assert errors_deg(marked, sound) < 12
+
+
+@METHODS
+def test_a_slow_sensor_in_a_fast_table_is_not_at_the_end_of_its_range(settings):
+    slow = held(held(ride(), "lever", "acc", 10, 10), "lever", "gyr", 10, 10)
+    found, marked = judged(slow, settings)
+    codes = [(fault.code, fault.sensor) for fault in found]
+    assert codes == [("held", "lever_acc"), ("held", "lever_gyr")]
+    assert not any("saturated" in text for text in marked.warnings)
+
+
+def test_coarse_sensors_at_rest_hold_nothing():
+    parked = simulate_parked(pitch_rad=0.0, bank_rad=0.0, seed=5, unit=draw_scooter(3), sensor=REAL)
+    for sensor in parked.sensors.values():
+        assert not held_samples(sensor.acc_mps2, 100.0).any()
+        assert not held_samples(np.repeat(sensor.gyr_radps, 2, axis=0), 200.0).any()
+
+
+@pytest.mark.parametrize("seed", [7, 23])
+def test_a_level_parked_body_has_no_axes_to_exchange(seed):
+    parked = simulate_parked(
+        pitch_rad=0.0, bank_rad=0.0, seed=seed, unit=draw_scooter(seed), sensor=REAL
+    )
+    assert "swapped" not in [fault.code for fault in find_faults(parked, SUZUKI_ET4D)]
