@@ -223,7 +223,7 @@ def fuse_angles(
     InputError
         Arrays of different shapes, without samples, with numbers that are not finite or that no
         such sensor measures; a sampling rate that is too low or too high; accelerations in g, or
-        with gravity in the wrong direction.
+        with gravity in the wrong direction, or 0 in the first half second.
     """
     settings = settings_or_default("settings", settings, FusionSettings)
     readings, rate_hz = _checked(
@@ -516,6 +516,9 @@ def _first_angles(
     """Angles, and the body's acceleration, by the median of the first half second."""
     first = slice(0, max(1, round(0.5 * rate_hz)))
     lever, body = (np.median(acc[first], axis=0) for acc in (lever_acc, body_acc))
+    off = [name for name, acc in (("lever", lever), ("body", body)) if not acc.any()]
+    if off:
+        raise InputError(f"{off[0]}_acc_mps2: is 0 from 0 to 0.5 s, where the angles start from")
     return np.array(three_axis_angles(lever, body, geometry), float), body
 
 
