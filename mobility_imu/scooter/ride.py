@@ -260,7 +260,8 @@ def _estimate(
             settings = dataclasses.replace(settings, fusion=own)
             angles, used, odds = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
             settings = dataclasses.replace(settings, fusion=used)
-            warnings += [f"{ride.source}: {warning}" for warning in (*quiet, *odds)]
+            warnings += [f"{ride.source}: {warning}" for warning in odds]
+            warnings += quiet
         else:
             angles, accelerated = _closed_form(acc, geometry, mount, settings)
             warnings += [f"{ride.source}: {warning}" for warning in accelerated]
