@@ -179,7 +179,6 @@ def calibrate(
     from mobility_imu.cli.summaries import scooter_mount_lines, written_line
     from mobility_imu.readers import recording_files
     from mobility_imu.scooter import ScooterGeometry, calibrate_mount, find_faults
-    from mobility_imu.scooter.calibration import LARGEST_MISFIT_RAD
 
     files = (file for path in parked for file in recording_files(path))
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
@@ -188,8 +187,9 @@ def calibrate(
     for recording in recordings:
         tell_faults(find_faults(recording, scooter), strict)
     found = calibrate_mount(recordings, settings, scooter)
-    if strict and found.misfit_rad > LARGEST_MISFIT_RAD:
-        raise InputError(f"{poses}: {found.warnings[0]}")
+    if strict and found.doubts:
+        by_file = found.doubts[0].startswith(tuple(one.source for one in recordings))
+        raise InputError(found.doubts[0] if by_file else f"{poses}: {found.doubts[0]}")
     warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
     outputs.write({output: found.to_toml().encode()})
     read = f"read: {len(parked)} parked recordings, {len(settings)} poses in each"

@@ -8,7 +8,16 @@ from rides import FUSION, mount, ride
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.scooter import SUZUKI_ET4D, RideSettings, estimate_ride, find_faults
+from mobility_imu.scooter import (
+    SUZUKI_ET4D,
+    RideSettings,
+    calibrate_mount,
+    estimate_ride,
+    find_faults,
+)
+from mobility_imu.scooter.calibration import ParkedPose, mount_from_poses
+from mobility_imu.simulation.scooter import PARKED_POSES_RAD, draw_scooter, simulate_parked
+from mobility_imu.simulation.sensor import LPMS_CU2, REAL
 
 
 def changed(recording, sensor, acc):
@@ -54,3 +63,63 @@ def test_a_ride_with_few_valid_samples_says_why():
     unsure = replace(FUSION, acc_noise_mps2=100.0)
     (told,) = estimate_ride(ride(), SUZUKI_ET4D, mount(), unsure).warnings
     assert "leave the steering uncertain by 20 deg or more" in told
+
+
+def car_park(seed=5, sensor=LPMS_CU2):
+    unit = draw_scooter(seed)
+    return [
+        simulate_parked(
+            pitch_rad=pitch, bank_rad=0.0, seed=100 * seed + k, unit=unit, sensor=sensor
+        )
+        for k, pitch in enumerate(np.deg2rad([0.2, 5.0]).tolist())
+    ]
+
+
+def calibrated(spoil=lambda acc, time_s: acc, sensor="body"):
+    """Calibration of parked recordings in which accelerations of one sensor are changed."""
+    parked = [
+        changed(one, sensor, spoil(one.sensor(sensor).acc_mps2.copy(), one.time_s))
+        for one in car_park()
+    ]
+    return calibrate_mount(parked, PARKED_POSES_RAD, SUZUKI_ET4D)
+
+
+@pytest.mark.parametrize("level", [LPMS_CU2, REAL])
+def test_a_sound_calibration_has_no_doubts(level):
+    """Phones' uncalibrated sensors lead to turns of several deg; they are no fault."""
+    found = calibrate_mount(car_park(sensor=level), PARKED_POSES_RAD, SUZUKI_ET4D)
+    assert found.doubts == () and found.warnings == ()
+
+
+def test_a_turn_that_is_no_mounting_is_told():
+    found = calibrated(lambda acc, _: acc[:, [2, 1, 0]])
+    (told,) = found.doubts
+    assert "the body's IMU would be turned by 9" in told or "turned by 8" in told
+    assert told in found.warnings
+
+
+def test_poses_that_fit_no_mount_state_a_larger_standard_deviation():
+    """A sign of the lever's accelerometer leaves a misfit of many deg; the sd grows with it."""
+    sound, found = calibrated(), calibrated(lambda acc, _: acc * [-1, 1, 1], "lever")
+    assert "the poses fit no mount" in found.doubts[0]
+    assert found.misfit_rad > 5 * sound.misfit_rad
+    assert (found.sd_rad > 5 * sound.sd_rad).all()
+
+
+def test_a_body_that_leans_in_one_pose_of_a_parked_recording_is_told():
+    def shifted(acc, time_s):
+        acc[time_s < 3, 1] += 1.0
+        return acc
+
+    found = calibrated(shifted)
+    assert len(found.doubts) == 2
+    assert "in pose 1 gravity lies 5.8 deg otherwise in the body's IMU" in found.doubts[0]
+
+
+def test_angles_that_no_control_has_are_refused():
+    with pytest.raises(InputError, match=r"an angle of a pose is .*e\+298, expected rad"):
+        calibrate_mount(car_park(), np.array(PARKED_POSES_RAD) * 1e299, SUZUKI_ET4D)
+    up = np.array([0.0, 0.0, 9.8])
+    huge = [ParkedPose(up, 1e300 * up, *angles) for angles in PARKED_POSES_RAD]
+    with pytest.raises(InputError, match="body_acc_mps2: a pose whose acceleration is too large"):
+        mount_from_poses(huge, SUZUKI_ET4D)
