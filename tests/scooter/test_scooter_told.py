@@ -1,5 +1,6 @@
 """Scooter: what is wrong with a ride, its settings or a calibration is told, not only computed."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,11 +12,14 @@ from mobility_imu.recording import Imu, Recording
 from mobility_imu.scooter import (
     SUZUKI_ET4D,
     RideSettings,
+    ScooterGeometry,
     calibrate_mount,
     estimate_ride,
     find_faults,
 )
 from mobility_imu.scooter.calibration import ParkedPose, mount_from_poses
+from mobility_imu.scooter.contradictions import contradictions
+from mobility_imu.simulation import faults as put
 from mobility_imu.simulation.scooter import PARKED_POSES_RAD, draw_scooter, simulate_parked
 from mobility_imu.simulation.sensor import LPMS_CU2, REAL
 
@@ -123,3 +127,21 @@ def test_angles_that_no_control_has_are_refused():
     huge = [ParkedPose(up, 1e300 * up, *angles) for angles in PARKED_POSES_RAD]
     with pytest.raises(InputError, match="body_acc_mps2: a pose whose acceleration is too large"):
         mount_from_poses(huge, SUZUKI_ET4D)
+
+
+def test_a_wrong_inclination_is_not_taken_for_exchanged_names():
+    """Twice the true alpha: with names exchanged the sensors agree better, with alpha best."""
+    wrong = ScooterGeometry.from_degrees(40.0, 9.0)
+    (found,) = contradictions(ride(), wrong, mount()).faults
+    assert found.code == "geometry" and 15 <= found.size <= 25
+    assert "look at the inclinations in the geometry file" in found.sentence
+    (found,) = contradictions(put.exchange(ride(), "lever", "body"), SUZUKI_ET4D, mount()).faults
+    assert found.code == "exchanged" and "or the inclinations in the geometry" in found.sentence
+
+
+def test_an_accelerometer_that_drifted_is_named_beside_a_turned_sensor():
+    """On level ground, an offset is a turn: 40 mg across are 7 deg of steering."""
+    lever = ride().sensor("lever").acc_mps2 + np.array([0.04 * 9.81, 0.0, 0.0])
+    (found,) = contradictions(changed(ride(), "lever", lever), SUZUKI_ET4D, mount()).faults
+    assert found.code == "turned"
+    assert re.search(r"zero-g offsets changed by (3|4)\d mg look the same", found.sentence)
