@@ -21,7 +21,14 @@ from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.files import write_text
 from mobility_imu.filters import rms
-from mobility_imu.frames import FloatArray, as_floats, as_number, as_vectors, wrap_angle
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_floats,
+    as_number,
+    as_vectors,
+    wrap_angle,
+)
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
@@ -59,6 +66,8 @@ LARGEST_MISFIT_RAD = float(np.deg2rad(2.0))
 LARGEST_TURN_SDS = 10.0
 """Standard deviations of the prior about an axis from which on a turn is no way of mounting: poses
 with the sensors of a phone, uncalibrated, lead to 15 deg, axes that were exchanged to 90."""
+LARGEST_LENGTH_ERROR = 0.1
+"""Part of gravity; scales of 3 % and offsets of 50 mg on each axis, the most of data sheets."""
 LARGEST_SWAY_RAD = float(np.deg2rad(2.0))
 """The body of a parked scooter sways less when its controls are moved; its sensor is bad then."""
 LARGEST_POSE_RAD = 360.0
@@ -188,7 +197,11 @@ def calibrate_mount(
     of_each = [(one.source, parked_poses(one, settings_of_poses_rad)) for one in parked]
     poses = [pose for _, some in of_each for pose in some]
     found = mount_from_poses(poses, geometry, pose_sd_rad=pose_sd_rad, prior_sd_rad=prior_sd_rad)
-    swayed = tuple(text for source, some in of_each for text in _says_sway(source, some))
+    swayed = tuple(
+        text
+        for source, some in of_each
+        for text in (*_says_length(source, some), *_says_sway(source, some))
+    )
     return replace(found, warnings=(*swayed, *found.warnings), doubts=(*swayed, *found.doubts))
 
 
@@ -336,6 +349,22 @@ def _says_turned(turns: FloatArray, prior_sd_rad: float) -> list[str]:
     ]
 
 
+def _says_length(source: str, poses: Sequence[ParkedPose]) -> list[str]:
+    """Sentence for each sensor that reads something else than gravity in a pose."""
+    says = []
+    for name in ("lever", "body"):
+        forces = np.array([getattr(pose, f"{name}_acc_mps2") for pose in poses])
+        lengths = np.linalg.norm(forces, axis=1)
+        worst = int(np.argmax(np.abs(lengths - STANDARD_GRAVITY_MPS2)))
+        if abs(lengths[worst] / STANDARD_GRAVITY_MPS2 - 1) > LARGEST_LENGTH_ERROR:
+            says.append(
+                f"{source}: in pose {worst + 1} the {name}'s IMU reads {lengths[worst]:.3g} m/s², "
+                f"where gravity is {STANDARD_GRAVITY_MPS2:.3g}: its accelerometer is at fault for "
+                "some time or in its range; record again"
+            )
+    return says
+
+
 def _says_sway(source: str, poses: Sequence[ParkedPose]) -> list[str]:
     """Sentence if the body's sensor reads another direction in some pose of a parked recording."""
     body = _directions([pose.body_acc_mps2 for pose in poses], "body_acc_mps2")
@@ -420,8 +449,13 @@ def find_stills(parked: Recording) -> list[slice]:
     list of slices of samples
     """
     expect("parked", parked, Recording)
+    return _rests_of(parked, "lever")
+
+
+def _rests_of(parked: Recording, name: str) -> list[slice]:
+    """Intervals in which one sensor rests."""
     fs = parked.sampling_rate_hz
-    gyr = parked.gyroscope("lever")
+    gyr = parked.gyroscope(name)
     gyr = gyr - np.median(gyr, axis=0)  # a constant bias is no motion
     power = ndimage.uniform_filter1d((gyr**2).sum(axis=1), max(3, round(0.2 * fs)))
     margin = round(0.1 * fs)
@@ -464,7 +498,7 @@ def parked_poses(
         )
         raise InputError(
             f"{parked.source}: {len(stills)} still intervals ({times or 'none'}), expected "
-            f"{len(settings)}, one per pose"
+            f"{len(settings)}, one per pose{_says_exchanged(parked, len(settings))}"
         )
     lever, body = parked.sensor("lever").acc_mps2, parked.sensor("body").acc_mps2
     return [
@@ -473,12 +507,20 @@ def parked_poses(
     ]
 
 
+def _says_exchanged(parked: Recording, poses: int) -> str:
+    """That the body's sensor rests as often as the lever's should, if it does."""
+    if parked.sensor("body").gyr_radps is None or len(_rests_of(parked, "body")) != poses:
+        return ""
+    return "; the body's sensor has that many: have lever and body each other's names?"
+
+
 def _directions(vectors: Sequence[ArrayLike], name: str) -> FloatArray:
     rows = np.array(vectors, float)
     with np.errstate(over="ignore"):  # what overflows is refused
         lengths = np.linalg.norm(rows, axis=1, keepdims=True)
     if not (lengths > 0).all():
-        raise InputError(f"{name}: a pose without acceleration, expected gravity in each")
+        pose = int(np.argmin(lengths)) + 1
+        raise InputError(f"{name}: pose {pose} is without acceleration, expected gravity in each")
     if not np.isfinite(lengths).all():
         raise InputError(f"{name}: a pose whose acceleration is too large to have a length")
     return np.asarray(rows / lengths)

@@ -14,8 +14,10 @@ from mobility_imu.scooter import (
     RideSettings,
     ScooterGeometry,
     calibrate_mount,
+    check_poses,
     estimate_ride,
     find_faults,
+    mark_faults,
 )
 from mobility_imu.scooter.calibration import ParkedPose, mount_from_poses
 from mobility_imu.scooter.contradictions import contradictions
@@ -145,3 +147,33 @@ def test_an_accelerometer_that_drifted_is_named_beside_a_turned_sensor():
     (found,) = contradictions(changed(ride(), "lever", lever), SUZUKI_ET4D, mount()).faults
     assert found.code == "turned"
     assert re.search(r"zero-g offsets changed by (3|4)\d mg look the same", found.sentence)
+
+
+def test_a_pose_without_gravity_is_told():
+    def off_for_seconds(acc, time_s):
+        acc[(time_s > 7) & (time_s < 9), :] = 0
+        return acc
+
+    found = calibrated(off_for_seconds, "lever")
+    assert re.search(r"in pose \d the lever's IMU reads .* m/s², where gravity is", found.doubts[0])
+
+
+def test_exchanged_names_of_a_parked_recording_are_told():
+    parked = put.exchange(car_park()[0], "lever", "body")
+    with pytest.raises(InputError, match="have lever and body each other's names"):
+        check_poses(parked, PARKED_POSES_RAD, SUZUKI_ET4D)
+    with pytest.raises(InputError, match=r"expected 3, one per pose$"):
+        check_poses(car_park()[0], PARKED_POSES_RAD[:3], SUZUKI_ET4D)
+
+
+def test_what_marks_faults_checks_what_it_is_given():
+    found = estimate_ride(ride(), SUZUKI_ET4D)
+    other = find_faults(put.late(ride(51).trim(0, 10), "lever", 0.3), SUZUKI_ET4D)
+    for bad, words in (
+        (other, "flags of a fault"),
+        (["frozen"], "a fault: got str, expected Fault"),
+        (None, "faults: got NoneType"),
+        (other[0], "faults: got Fault"),
+    ):
+        with pytest.raises(InputError, match=words):
+            mark_faults(found, bad)
