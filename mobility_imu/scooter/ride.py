@@ -44,6 +44,8 @@ SMALLEST_NOISE_MPS2 = SETTING_LIMITS["acc_sd_mps2"][0]
 NOISE_TIMES = 3.0
 """A recording with more noise than so many times the stated one was not made at rest: shaking is
 ten times what a data sheet says of the sensor, and the filter has to know it."""
+ASSUMED_TURN_SD_RAD = FusionSettings().misalignment_sd_rad
+"""What fusion assumes of a mount unless settings say otherwise."""
 LEAST_VALID = 0.5
 """Part of the samples below which a ride says why so few are valid."""
 PAPER_MEDIAN_S = (0.2, 0.3)
@@ -261,7 +263,7 @@ def _estimate(
             angles, used, odds = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
             settings = dataclasses.replace(settings, fusion=used)
             warnings += [f"{ride.source}: {warning}" for warning in odds]
-            warnings += quiet
+            warnings += [*quiet, *_less_known_than_assumed(own, mount)]
         else:
             angles, accelerated = _closed_form(acc, geometry, mount, settings)
             warnings += [f"{ride.source}: {warning}" for warning in accelerated]
@@ -391,6 +393,21 @@ def _quieter_than_it_is(settings: RideSettings, acc: dict[str, FloatArray]) -> t
     return (
         f"a noise of {stated:.3g} m/s² is stated, the accelerations have {own:.2g} m/s² (with "
         "shaking): the standard deviations would be too small, so the recording's noise is taken",
+    )
+
+
+def _less_known_than_assumed(used: FusionSettings, mount: ScooterMount | None) -> tuple[str, ...]:
+    """Warning if a mount states more than fusion assumes of one that was never calibrated."""
+    if mount is None or mount.sd_rad is None:
+        return ()
+    part = float(np.median(mount.sd_rad)) / 2**0.5
+    if part <= used.misalignment_sd_rad or used.misalignment_sd_rad != ASSUMED_TURN_SD_RAD:
+        return ()
+    stated, assumed = np.rad2deg([part, used.misalignment_sd_rad]) * 2**0.5
+    return (
+        f"the mount's sd_rad states {stated:.1f} deg (median), fusion assumes {assumed:.1f} deg at "
+        "most: if the mount is known so badly, the angles' standard deviations are too small; "
+        "calibrate it",
     )
 
 

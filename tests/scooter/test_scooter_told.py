@@ -13,6 +13,7 @@ from mobility_imu.scooter import (
     SUZUKI_ET4D,
     RideSettings,
     ScooterGeometry,
+    ScooterMount,
     calibrate_mount,
     check_poses,
     estimate_ride,
@@ -177,3 +178,12 @@ def test_what_marks_faults_checks_what_it_is_given():
     ):
         with pytest.raises(InputError, match=words):
             mark_faults(found, bad)
+
+
+def test_a_mount_that_is_known_worse_than_fusion_assumes_is_told():
+    """Sizes after a calibration are never wider than without one; a larger sd is said, then."""
+    rotations = mount().rotation_lever_imu_to_lever, mount().rotation_body_imu_to_body
+    for sd_deg, told in ((0.5, False), (0.9, False), (10.0, True)):
+        known = ScooterMount(*rotations, np.full(6, np.deg2rad(sd_deg)))
+        found = estimate_ride(ride(), SUZUKI_ET4D, known, FUSION)
+        assert any("states 10.0 deg (median)" in text for text in found.warnings) == told
