@@ -464,14 +464,14 @@ def _fused(
     )
     fraction = float(contradicted.mean())
     if fraction <= ACCELERATED_FRACTION:
-        return angles, found.settings, ()
+        return angles, found.settings, found.warnings
     warning = (
         f"the filter's steering contradicts the accelerations around it in {fraction:.0%} of the "
         f"samples, by more than {np.rad2deg(LARGEST_ERROR_RAD):.0f} deg and three standard "
         "deviations: it went astray, and these samples are marked as not valid; are the sensors "
         "worse than FusionSettings assumes?"
     )
-    return angles, found.settings, (warning,)
+    return angles, found.settings, (warning, *found.warnings)
 
 
 def _contradicted(

@@ -187,3 +187,12 @@ def test_a_mount_that_is_known_worse_than_fusion_assumes_is_told():
         known = ScooterMount(*rotations, np.full(6, np.deg2rad(sd_deg)))
         found = estimate_ride(ride(), SUZUKI_ET4D, known, FUSION)
         assert any("states 10.0 deg (median)" in text for text in found.warnings) == told
+
+
+def test_a_clock_in_another_unit_is_told():
+    """With times of half their size the filter has to bend the sensors; sound ones it need not."""
+    words = "the filter can follow the readings only if"
+    for factor, told in ((0.5, True), (1.0, False)):
+        again = Recording(ride().time_s * factor, ride().sensors, source="r.csv")
+        found = estimate_ride(again, SUZUKI_ET4D, mount(), FUSION)
+        assert any(words in text for text in found.warnings) == told
