@@ -274,11 +274,7 @@ def mount_from_poses(
     apart_rad = rms(np.linalg.norm(left.reshape(-1, 3), axis=1))
     if apart_rad > LARGEST_MISFIT_RAD:
         sd = sd * max(1.0, rms(left) / (usual * pose_sd))
-    unseen = tuple(
-        name
-        for name, spread in zip(DIRECTIONS, sd, strict=True)
-        if spread > UNSEEN_FRACTION * prior_sd
-    )
+    unseen = _unseen(sd, prior_sd)
     lever_turn, body_turn = Rotation.from_rotvec(found.x.reshape(2, 3)).as_matrix()
     mount = ScooterMount(lever_turn, body_turn, sd)
     warnings = [
@@ -293,6 +289,15 @@ def mount_from_poses(
     told = (*doubts, *warnings)
     return ScooterCalibration(
         mount, sd, unseen, geometry, told, pose_sd, prior_sd, apart_rad, tuple(doubts)
+    )
+
+
+def _unseen(sd_rad: FloatArray, prior_sd_rad: float) -> tuple[str, ...]:
+    """Names of the directions that the poses tell little of."""
+    return tuple(
+        name
+        for name, spread in zip(DIRECTIONS, sd_rad, strict=True)
+        if spread > UNSEEN_FRACTION * prior_sd_rad
     )
 
 
