@@ -31,8 +31,11 @@ Sensors = Literal["consumer", "calibrated"]
 FORMS: dict[Form, LibraryForm] = {"three-axis": "corrected", "printed": "printed"}
 """Name of each form in the library."""
 LARGEST_NOISE_MPS2 = 100.0
+SMALLEST_NOISE_MPS2 = 1e-4
 LARGEST_POSE_DEG = 180.0
 LARGEST_SCALE_SD_DEG = 10.0
+MEDIAN_WINDOW = 25
+NO_FAULT = ": the sensors were accelerated in "
 
 app = sub_app("Mobility scooter: steering and throttle.")
 
@@ -55,7 +58,7 @@ def angles(
     ] = "three-axis",
     median_window: Annotated[
         int, typer.Option(help="Closed form: samples of the running median, odd; 1 for none.")
-    ] = 25,
+    ] = MEDIAN_WINDOW,
     acc_noise_mps2: Annotated[
         float | None,
         typer.Option(
@@ -83,6 +86,7 @@ def angles(
 
     outputs = Outputs({"--output": output}, (*recording_files(recording), geometry))
     _check_options(method, single_imu, acc_noise_mps2)
+    _tell_unused(method, form=form, median_window=median_window, causal=causal)
     settings = RideSettings(
         method=method,
         single_imu=single_imu,
@@ -120,6 +124,10 @@ def _judged(
     words["scale"] = "out of scale"
     told = [f": {fault.sensor} is {words[fault.code]} " for fault in faults if fault.code in words]
     left = [text for text in found.warnings if not any(same in text for same in told)]
+    # What is said of the recording begins with its name; to be pushed is no fault of a sensor.
+    faulty = [w for w in left if w.startswith(f"{recording.source}: ") and NO_FAULT not in w]
+    if strict and faulty:
+        raise InputError(faulty[0])
     warn(text.replace("median_window = ", "--median-window ") for text in left)
     return found
 
@@ -134,6 +142,20 @@ def _check_options(method: Method, single_imu: bool, noise: float | None) -> Non
         )
     if noise == 0 and method == "fusion":
         raise InputError("--acc-noise-mps2 0: fusion needs a noise above 0")
+    if noise is not None and method == "fusion" and noise < SMALLEST_NOISE_MPS2:
+        raise InputError(
+            f"--acc-noise-mps2 {noise:g}: expected at least {SMALLEST_NOISE_MPS2:g} m/s² with "
+            "--method fusion"
+        )
+
+
+def _tell_unused(method: Method, *, form: Form, median_window: int, causal: bool) -> None:
+    """Warn of options that are given and that the method does not use."""
+    unused = ["--causal"] if causal and method == "closed-form" else []
+    if method == "fusion":
+        unused += ["--form"] if form != "three-axis" else []
+        unused += ["--median-window"] if median_window != MEDIAN_WINDOW else []
+    warn(f"{name} has no effect with --method {method}" for name in unused)
 
 
 @app.command("calibrate")
@@ -158,7 +180,6 @@ def calibrate(
     from mobility_imu.cli.summaries import scooter_mount_lines, written_line
     from mobility_imu.readers import recording_files
     from mobility_imu.scooter import ScooterGeometry, calibrate_mount, find_faults
-    from mobility_imu.scooter.calibration import LARGEST_MISFIT_RAD
 
     files = (file for path in parked for file in recording_files(path))
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
@@ -167,8 +188,9 @@ def calibrate(
     for recording in recordings:
         tell_faults(find_faults(recording, scooter), strict)
     found = calibrate_mount(recordings, settings, scooter)
-    if strict and found.misfit_rad > LARGEST_MISFIT_RAD:
-        raise InputError(f"{poses}: {found.warnings[0]}")
+    if strict and found.doubts:
+        by_file = found.doubts[0].startswith(tuple(one.source for one in recordings))
+        raise InputError(found.doubts[0] if by_file else f"{poses}: {found.doubts[0]}")
     warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
     outputs.write({output: found.to_toml().encode()})
     read = f"read: {len(parked)} parked recordings, {len(settings)} poses in each"

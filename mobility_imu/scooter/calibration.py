@@ -8,7 +8,7 @@ mounting.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,7 +21,14 @@ from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.files import write_text
 from mobility_imu.filters import rms
-from mobility_imu.frames import FloatArray, as_floats, as_number, as_vectors, wrap_angle
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_floats,
+    as_number,
+    as_vectors,
+    wrap_angle,
+)
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
@@ -56,6 +63,15 @@ SMALLEST_SD_RAD = 1e-9
 LARGEST_MISFIT_RAD = float(np.deg2rad(2.0))
 """Misfit from which on poses are not what the controls did. Stops that are off by 0.5 deg leave
 0.4 deg; each table whose meaning is wrong (rad for deg, another order, signs) over 5."""
+LARGEST_TURN_SDS = 10.0
+"""Standard deviations of the prior about an axis from which on a turn is no way of mounting: poses
+with the sensors of a phone, uncalibrated, lead to 15 deg, axes that were exchanged to 90."""
+LARGEST_LENGTH_ERROR = 0.1
+"""Part of gravity; scales of 3 % and offsets of 50 mg on each axis, the most of data sheets."""
+LARGEST_SWAY_RAD = float(np.deg2rad(2.0))
+"""The body of a parked scooter sways less when its controls are moved; its sensor is bad then."""
+LARGEST_POSE_RAD = 360.0
+"""A turn in deg: poses that are not in rad are told by their misfit, these are no angles at all."""
 UNSEEN_FRACTION = 0.8
 """A direction is unseen if its standard deviation is more than this fraction of the prior's."""
 DIRECTIONS = (
@@ -111,6 +127,7 @@ class ScooterCalibration(Result):
     warnings : sentences for the user
     pose_sd_rad, prior_sd_rad : rad, what it was made with, see :func:`mount_from_poses`
     misfit_rad : rad, root mean square angle by which the poses miss eq. 5 with this mount
+    doubts : those of the warnings after which the mount must not be used
     """
 
     mount: ScooterMount
@@ -121,6 +138,7 @@ class ScooterCalibration(Result):
     pose_sd_rad: float = POSE_SD_RAD
     prior_sd_rad: float = PRIOR_SD_RAD
     misfit_rad: float = float("nan")
+    doubts: tuple[str, ...] = ()
 
     def to_toml(self, path: str | Path | None = None) -> str:
         """Text of a geometry file with geometry, mount and standard deviations.
@@ -176,8 +194,15 @@ def calibrate_mount(
         raise InputError(
             f"parked_recordings: got {type(parked).__name__}, expected Recording or a list of them"
         )
-    poses = [pose for one in parked for pose in parked_poses(one, settings_of_poses_rad)]
-    return mount_from_poses(poses, geometry, pose_sd_rad=pose_sd_rad, prior_sd_rad=prior_sd_rad)
+    of_each = [(one.source, parked_poses(one, settings_of_poses_rad)) for one in parked]
+    poses = [pose for _, some in of_each for pose in some]
+    found = mount_from_poses(poses, geometry, pose_sd_rad=pose_sd_rad, prior_sd_rad=prior_sd_rad)
+    swayed = tuple(
+        text
+        for source, some in of_each
+        for text in (*_says_length(source, some), *_says_sway(source, some))
+    )
+    return replace(found, warnings=(*swayed, *found.warnings), doubts=(*swayed, *found.doubts))
 
 
 def mount_from_poses(
@@ -205,12 +230,14 @@ def mount_from_poses(
     Returns
     -------
     ScooterCalibration
+        ``sd_rad`` allows for stops and sensors that are off as usual; where the poses fit no mount
+        (``LARGEST_MISFIT_RAD``), it is as many times larger as the misfit is.
 
     Raises
     ------
     InputError
-        If there are too few different poses, a standard deviation is too small to divide by, or
-        the least squares find no mount.
+        If there are too few different poses, an angle is none, a standard deviation is
+        too small to divide by, or the least squares find no mount.
     """
     expect("geometry", geometry, ScooterGeometry)
     pose_sd = _as_sd(pose_sd_rad, "pose_sd_rad")
@@ -242,30 +269,43 @@ def mount_from_poses(
     spread = _fault_deviations(stops.number, pose_sd)
     step = 1e-5 * np.eye(len(none))
     by_fault = [(apart(found.x, d) - apart(found.x, -d)) / 2e-5 for d in step]
-    sd = _standard_deviations(found.jac, np.transpose(by_fault) * spread / pose_sd)
-    unseen = tuple(
-        name
-        for name, spread in zip(DIRECTIONS, sd, strict=True)
-        if spread > UNSEEN_FRACTION * prior_sd
-    )
+    sd, usual = _standard_deviations(found.jac, np.transpose(by_fault) * spread / pose_sd)
+    left = apart(found.x, none)
+    apart_rad = rms(np.linalg.norm(left.reshape(-1, 3), axis=1))
+    if apart_rad > LARGEST_MISFIT_RAD:
+        sd = sd * max(1.0, rms(left) / (usual * pose_sd))
+    unseen = _unseen(sd, prior_sd)
     lever_turn, body_turn = Rotation.from_rotvec(found.x.reshape(2, 3)).as_matrix()
     mount = ScooterMount(lever_turn, body_turn, sd)
-    apart_rad = rms(np.linalg.norm(apart(found.x, none).reshape(-1, 3), axis=1))
     warnings = [
         f"the poses tell little of the turn of the {name}: park at another slope as well"
         for name in unseen
     ]
+    doubts = _says_turned(found.x, prior_sd)
     if apart_rad > LARGEST_MISFIT_RAD:
         set_rad = np.column_stack([steering, throttle])
         off = _angles_apart(mount, lever, body, set_rad, geometry)
-        warnings.insert(0, _says_misfit(apart_rad, off))
+        doubts.insert(0, _says_misfit(apart_rad, off))
+    told = (*doubts, *warnings)
     return ScooterCalibration(
-        mount, sd, unseen, geometry, tuple(warnings), pose_sd, prior_sd, apart_rad
+        mount, sd, unseen, geometry, told, pose_sd, prior_sd, apart_rad, tuple(doubts)
+    )
+
+
+def _unseen(sd_rad: FloatArray, prior_sd_rad: float) -> tuple[str, ...]:
+    """Names of the directions that the poses tell little of."""
+    return tuple(
+        name
+        for name, spread in zip(DIRECTIONS, sd_rad, strict=True)
+        if spread > UNSEEN_FRACTION * prior_sd_rad
     )
 
 
 def _check_settings(poses: Sequence[ParkedPose]) -> None:
-    """Check that there are enough different poses."""
+    """Check that there are enough different poses, of angles that a control can have."""
+    largest = max((max(abs(p.steering_rad), abs(p.throttle_rad)) for p in poses), default=0.0)
+    if largest > LARGEST_POSE_RAD:
+        raise InputError(f"an angle of a pose is {largest:g}, expected rad")
     different = {(round(p.steering_rad, 3), round(p.throttle_rad, 3)) for p in poses}
     if len(poses) < 3 or len({p[0] for p in different}) < 2 or len({p[1] for p in different}) < 2:
         raise InputError(
@@ -301,6 +341,47 @@ def _says_misfit(misfit_rad: float, off_rad: FloatArray) -> str:
         "set; are they in degrees, in the order of time, left and pushed positive? Accelerometers "
         "with offsets of 20 mg leave 2 deg, too"
     )
+
+
+def _says_turned(turns: FloatArray, prior_sd_rad: float) -> list[str]:
+    """A sentence for each sensor that is turned too far for one that was put on straight."""
+    return [
+        f"the {name}'s IMU would be turned by {np.rad2deg(np.linalg.norm(turn)):.0f} deg from its "
+        f"nominal axes, {np.abs(turn).max() / prior_sd_rad:.0f} times what is usual about one: are "
+        "its axes exchanged, is it the right sensor, are the inclinations right?"
+        for name, turn in (("lever", turns[:3]), ("body", turns[3:]))
+        if np.abs(turn).max() > LARGEST_TURN_SDS * prior_sd_rad
+    ]
+
+
+def _says_length(source: str, poses: Sequence[ParkedPose]) -> list[str]:
+    """Sentence for each sensor that reads something else than gravity in a pose."""
+    says = []
+    for name in ("lever", "body"):
+        forces = np.array([getattr(pose, f"{name}_acc_mps2") for pose in poses])
+        lengths = np.linalg.norm(forces, axis=1)
+        worst = int(np.argmax(np.abs(lengths - STANDARD_GRAVITY_MPS2)))
+        if abs(lengths[worst] / STANDARD_GRAVITY_MPS2 - 1) > LARGEST_LENGTH_ERROR:
+            says.append(
+                f"{source}: in pose {worst + 1} the {name}'s IMU reads {lengths[worst]:.3g} m/s², "
+                f"where gravity is {STANDARD_GRAVITY_MPS2:.3g}: its accelerometer is at fault for "
+                "some time or in its range; record again"
+            )
+    return says
+
+
+def _says_sway(source: str, poses: Sequence[ParkedPose]) -> list[str]:
+    """Sentence if the body's sensor reads another direction in some pose of a parked recording."""
+    body = _directions([pose.body_acc_mps2 for pose in poses], "body_acc_mps2")
+    off = np.linalg.norm(body - np.median(body, axis=0), axis=1)
+    worst = int(np.argmax(off))
+    if off[worst] <= LARGEST_SWAY_RAD:
+        return []
+    return [
+        f"{source}: in pose {worst + 1} gravity lies {np.rad2deg(off[worst]):.1f} deg otherwise in "
+        "the body's IMU than in most poses, though the scooter is parked: did it move, or is the "
+        "accelerometer at fault?"
+    ]
 
 
 def _as_sd(value: float, name: str) -> float:
@@ -339,8 +420,8 @@ def _spoilt(directions: FloatArray, faults: FloatArray) -> FloatArray:
     return np.asarray(directions @ (np.eye(3) + faults[3:].reshape(3, 3)).T + faults[:3])
 
 
-def _standard_deviations(by_turns: FloatArray, by_faults: FloatArray) -> FloatArray:
-    """Standard deviations of the least-squares turns, rad.
+def _standard_deviations(by_turns: FloatArray, by_faults: FloatArray) -> tuple[FloatArray, float]:
+    """Standard deviations of the least-squares turns, rad, and the weighted misfit that is usual.
 
     The gain of the least squares carries the misfit over to the turns. What disturbs the misfit is
     not a new error in each pose: a stop's error comes back whenever that stop is used, and those
@@ -353,7 +434,9 @@ def _standard_deviations(by_turns: FloatArray, by_faults: FloatArray) -> FloatAr
     """
     gain = np.linalg.solve(by_turns.T @ by_turns, by_turns.T)
     seen, prior = gain[:, :-6] @ by_faults, gain[:, -6:]
-    return np.asarray(np.sqrt((seen**2).sum(axis=1) + (prior**2).sum(axis=1)))
+    left = by_faults - by_turns[:-6] @ seen, by_turns[:-6] @ prior
+    usual = np.sqrt(sum((part**2).sum() for part in left) / len(by_faults))
+    return np.asarray(np.sqrt((seen**2).sum(axis=1) + (prior**2).sum(axis=1))), float(usual)
 
 
 def find_stills(parked: Recording) -> list[slice]:
@@ -371,8 +454,13 @@ def find_stills(parked: Recording) -> list[slice]:
     list of slices of samples
     """
     expect("parked", parked, Recording)
+    return _rests_of(parked, "lever")
+
+
+def _rests_of(parked: Recording, name: str) -> list[slice]:
+    """Intervals in which one sensor rests."""
     fs = parked.sampling_rate_hz
-    gyr = parked.gyroscope("lever")
+    gyr = parked.gyroscope(name)
     gyr = gyr - np.median(gyr, axis=0)  # a constant bias is no motion
     power = ndimage.uniform_filter1d((gyr**2).sum(axis=1), max(3, round(0.2 * fs)))
     margin = round(0.1 * fs)
@@ -415,7 +503,7 @@ def parked_poses(
         )
         raise InputError(
             f"{parked.source}: {len(stills)} still intervals ({times or 'none'}), expected "
-            f"{len(settings)}, one per pose"
+            f"{len(settings)}, one per pose{_says_exchanged(parked, len(settings))}"
         )
     lever, body = parked.sensor("lever").acc_mps2, parked.sensor("body").acc_mps2
     return [
@@ -424,9 +512,20 @@ def parked_poses(
     ]
 
 
+def _says_exchanged(parked: Recording, poses: int) -> str:
+    """That the body's sensor rests as often as the lever's should, if it does."""
+    if parked.sensor("body").gyr_radps is None or len(_rests_of(parked, "body")) != poses:
+        return ""
+    return "; the body's sensor has that many: have lever and body each other's names?"
+
+
 def _directions(vectors: Sequence[ArrayLike], name: str) -> FloatArray:
     rows = np.array(vectors, float)
-    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    with np.errstate(over="ignore"):  # what overflows is refused
+        lengths = np.linalg.norm(rows, axis=1, keepdims=True)
     if not (lengths > 0).all():
-        raise InputError(f"{name}: a pose without acceleration, expected gravity in each")
+        pose = int(np.argmin(lengths)) + 1
+        raise InputError(f"{name}: pose {pose} is without acceleration, expected gravity in each")
+    if not np.isfinite(lengths).all():
+        raise InputError(f"{name}: a pose whose acceleration is too large to have a length")
     return np.asarray(rows / lengths)

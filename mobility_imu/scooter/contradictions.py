@@ -60,10 +60,8 @@ SMALLEST_SCALE, LARGEST_SCALE = 0.07, 100.0
 by 2 deg move what is found by as much again. Units that are mistaken (deg/s for rad/s) make 57."""
 USUAL_SCALE = 3.0
 """Ranges that are mistaken make 2 or 4 (data sheets); beyond this, both sensors have to agree."""
-BOUND_LOG = 0.01
-"""Logarithm of a factor so close to the limit is at it."""
-SCALES_TRIED = 43
-"""Steps of a quarter between both limits."""
+BOUND_LOG, SCALES_TRIED = 0.01, 43
+"""A factor so close to the limit (in logarithms) is at it; steps of a quarter between both."""
 LEAST_TURNING_RADPS = 0.01
 """Rate of the whole scooter from which on it shows how the body's sensor is turned."""
 ZERO_SDS = 3.0
@@ -93,6 +91,12 @@ FORCE_AXES = (
     ((0, 2, 1), EVEN, "axes y and z of the accelerometer are exchanged"),
 )
 """Axes, signs and words of what an export makes of an accelerometer's axes."""
+INCLINATIONS_DEG = np.arange(5.0, 46.0, 5.0)
+"""Inclinations of the steering that are tried in place of the stated one."""
+SMALLEST_SLIP_RAD, LARGEST_SLIP_RAD = np.deg2rad([4.0, 20.5]).tolist()
+"""Errors of a stated inclination that are tried: less bends the angles and looks like a mount."""
+LARGEST_OFFSETS_MG = 100.0
+"""What the zero-g offsets of two consumer accelerometers may differ by (data sheets: 50 each)."""
 
 
 class _Suspect(NamedTuple):
@@ -103,7 +107,7 @@ class _Suspect(NamedTuple):
     what: str
     size: float
     unit: str
-    repair: Repair
+    repair: Repair | None
     after: Agreement
 
 
@@ -153,7 +157,7 @@ def _faults_of(pair: SensorPair, *, on_one_clock: bool = False) -> Iterator[Faul
             pair.recording, found.code, found.sensor, _whole(pair), found.what,
             size=found.size, unit=found.unit, repair=found.repair,
         )  # fmt: skip
-        if found.code == "lag":
+        if found.code == "lag" and found.repair is not None:
             # What else is wrong cannot be seen behind it.
             mended = SensorPair(found.repair(pair.recording), pair.geometry, pair.mount)
             yield from _faults_of(mended, on_one_clock=True)
@@ -346,10 +350,44 @@ def _exchange(pair: SensorPair) -> Iterator[_Suspect]:
     if after is None or after.squared > AT_ODDS:
         return  # right names leave nothing at odds
     if pair.stated is None or after.squared < pair.stated.squared:
+        yield from _other_inclination(pair, after)
         yield _Suspect(
             "exchanged", "lever, body",
             "have each other's names: what is called the body turns on the lever's hinges; "
-            "exchange them", float("nan"), "", repair, after,
+            "exchange them, or the inclinations in the geometry file are wrong",
+            float("nan"), "", repair, after,
+        )  # fmt: skip
+
+
+def _other_inclination(pair: SensorPair, exchanged_: Agreement) -> Iterator[_Suspect]:
+    """Inclination of the steering with which sensors agree as they are named, clearly better.
+
+    With names exchanged, the sensors agree at another alpha than the right one as well: what looks
+    like an exchange may be a wrong alpha.
+    """
+    stated = pair.geometry.steering_inclination_rad
+    found: list[tuple[float, float, Agreement]] = []
+    for alpha in np.deg2rad(INCLINATIONS_DEG).tolist():
+        if not SMALLEST_SLIP_RAD < abs(alpha - stated) <= LARGEST_SLIP_RAD:
+            continue
+        geometry = ScooterGeometry(alpha, pair.geometry.lever_inclination_rad)
+        try:
+            after = SensorPair(pair.recording, geometry, pair.mount).stated
+        except InputError:
+            continue
+        if after is not None:
+            found.append((after.squared, alpha, after))
+    if not found:
+        return
+    squared, alpha, after = min(found, key=lambda one: one[0])
+    better = exchanged_.squared - squared > CLEARLY_BETTER
+    if better and squared < MUCH_BETTER * exchanged_.squared:
+        yield _Suspect(
+            "geometry", "lever, body",
+            f"fit a steering inclined by about {np.rad2deg(alpha):.0f} deg, not by "
+            f"{np.rad2deg(stated):.0f}: look at the inclinations in the geometry file; or the "
+            "sensors have each other's names",
+            float(np.rad2deg(alpha)), "deg", None, after,
         )  # fmt: skip
 
 
@@ -475,6 +513,11 @@ def _turned_since(pair: SensorPair) -> Iterator[Fault]:
     calibrate = "calibrate the mount"
     if pair.mount is not None:
         calibrate = "was one turned since the calibration? Calibrate the mount"
+        offset_mg = 1000 * _force_between(pair, off)
+        if off.any() and not yaw and offset_mg <= LARGEST_OFFSETS_MG:
+            calibrate += (
+                f"; accelerometers whose zero-g offsets changed by {offset_mg:.0f} mg look the same"
+            )
     yield fault_of(
         pair.recording, "turned", "lever, body", _whole(pair),
         f"are not mounted as stated: {' and '.join(says)}; {calibrate}",
@@ -533,6 +576,15 @@ def _tipped(pair: SensorPair) -> Iterator[Fault]:
             repair=partial(turned_back, sensor=name, rotation=back),
         )  # fmt: skip
         return
+
+
+def _force_between(pair: SensorPair, off: FloatArray) -> float:
+    """Force, in g, by which the lever's sensor reads another one than at zero angles."""
+    read, right = (
+        lever_acceleration([0.0, 0.0, 1.0], steering, throttle, pair.geometry)
+        for steering, throttle in (off.tolist(), (0.0, 0.0))
+    )
+    return float(np.linalg.norm(np.asarray(read) - right))
 
 
 def _untwisted(pair: SensorPair, off: FloatArray) -> FloatArray:

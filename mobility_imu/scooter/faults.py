@@ -19,7 +19,7 @@ from scipy import ndimage
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, Repair, all_repaired, interpolated, with_costs
-from mobility_imu.frames import FloatArray, wrap_angle
+from mobility_imu.frames import FloatArray, as_flags, wrap_angle
 from mobility_imu.health import FEWEST_VALUES, examine, fault_of, single_spikes
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
@@ -212,12 +212,20 @@ def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
     Returns
     -------
     RideAngles
+
+    Raises
+    ------
+    InputError
+        If an argument is something else, or a fault is of a recording of another length.
     """
     expect("ride", ride, RideAngles)
+    expect("faults", faults, Iterable)
     valid = np.array(ride.valid)
     closed = ride.settings.method == "closed-form"
     beside = ride.settings.median_window // 2 if closed else 0
     for fault in faults:
+        expect("a fault", fault, Fault)
+        as_flags(fault.flags, "flags of a fault", length=len(valid))
         if _is_used(fault, ride.settings) and _matters(fault, ride):
             valid &= ~fault.flags
             if beside and fault.code == "held":

@@ -26,8 +26,8 @@ from mobility_imu.frames import FloatArray, as_number, as_vectors
 from mobility_imu.hinges import column_vector, hinge_rates, steered
 from mobility_imu.results import Result
 from mobility_imu.scooter.angles import check_gravity, three_axis_angles
+from mobility_imu.scooter.fusion_constants import constant_deviations, unlikely_constant
 from mobility_imu.scooter.fusion_filter import (
-    ARMS,
     BODY,
     CONSTANTS,
     STATES,
@@ -223,7 +223,7 @@ def fuse_angles(
     InputError
         Arrays of different shapes, without samples, with numbers that are not finite or that no
         such sensor measures; a sampling rate that is too low or too high; accelerations in g, or
-        with gravity in the wrong direction.
+        with gravity in the wrong direction, or 0 in the first half second.
     """
     settings = settings_or_default("settings", settings, FusionSettings)
     readings, rate_hz = _checked(
@@ -236,15 +236,16 @@ def fuse_angles(
         seen = _filtered(run, inputs, first, geometry, rate_hz)
         settings = _measured(settings, first, seen, inputs, geometry, rate_hz)
     if smooth:
-        angles, sd = _smoothed(run, inputs, settings, geometry, rate_hz)
+        angles, sd, constants = _smoothed(run, inputs, settings, geometry, rate_hz)
     else:
         last = _filtered(run, inputs, settings, geometry, rate_hz)
-        angles, sd = last.angles, last.sd
+        angles, sd, constants = last.angles, last.sd, last.constants
     sd = np.sqrt(sd**2 + _added_variance(angles, settings, rate_hz, smooth))
     valid = np.isfinite(angles).all(axis=1) & (sd[:, 0] < LARGEST_VALID_SD_RAD)
     return FusedAngles(
-        angles[:, 0].copy(), angles[:, 1].copy(), sd[:, 0].copy(), sd[:, 1].copy(), valid, settings
-    )
+        angles[:, 0].copy(), angles[:, 1].copy(), sd[:, 0].copy(), sd[:, 1].copy(), valid, settings,
+        unlikely_constant(constants, settings),
+    )  # fmt: skip
 
 
 class _Loops(NamedTuple):
@@ -407,24 +408,12 @@ def _start(
     angles, slow = _first_angles(inputs.lever_acc, inputs.body_acc, rate_hz, geometry)
     # The drift is what wanders: the offset it starts from is among the constants.
     sd = np.array([START_SD_RAD] * 2 + [1e-6] * 2 + [settings.disturbance_sd_mps2] * 3)
-    sensor = np.repeat(
-        [
-            settings.acc_offset_sd_mps2,
-            settings.acc_scale_sd,
-            settings.misalignment_sd_rad,
-            settings.gyr_scale_sd,
-            settings.bias_sd_radps,
-            settings.axes_apart_sd_rad,
-        ],
-        3,
-    )
-    arms = np.full(CONSTANTS - ARMS, settings.lever_arm_sd_m)
     return Estimate(
         np.concatenate((angles, np.zeros(STATES - 2))),
         np.diag(sd**2),
         np.zeros((STATES, CONSTANTS)),
         np.zeros(CONSTANTS),
-        np.diag(np.concatenate((sensor, sensor, arms)) ** 2),
+        np.diag(constant_deviations(settings) ** 2),
         slow,
     )
 
@@ -440,8 +429,8 @@ def _filtered(
 
 def _smoothed(
     run: _Loops, inputs: Inputs, settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float
-) -> tuple[FloatArray, FloatArray]:
-    """Angles and their sd by filter and smoother, in pieces that fit into memory."""
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Angles, their sd and the constants by filter and smoother, in pieces that fit into memory."""
     model = _model(settings, geometry, rate_hz)
     borders = [*range(0, len(inputs.lever_acc), CHUNK_SAMPLES), len(inputs.lever_acc)]
     pieces = list(pairwise(borders))
@@ -461,7 +450,7 @@ def _smoothed(
         )
         angles.append(states[:, :2])
         sd.append(spread)
-    return np.concatenate(angles[::-1]), np.concatenate(sd[::-1])
+    return np.concatenate(angles[::-1]), np.concatenate(sd[::-1]), last.constants
 
 
 def _checked(
@@ -516,6 +505,9 @@ def _first_angles(
     """Angles, and the body's acceleration, by the median of the first half second."""
     first = slice(0, max(1, round(0.5 * rate_hz)))
     lever, body = (np.median(acc[first], axis=0) for acc in (lever_acc, body_acc))
+    off = [name for name, acc in (("lever", lever), ("body", body)) if not acc.any()]
+    if off:
+        raise InputError(f"{off[0]}_acc_mps2: is 0 from 0 to 0.5 s, where the angles start from")
     return np.array(three_axis_angles(lever, body, geometry), float), body
 
 

@@ -33,9 +33,9 @@ from mobility_imu.scooter.angles import (
     estimate_angles,
 )
 from mobility_imu.scooter.force import forceless, held_samples, wrong_length
-from mobility_imu.scooter.fusion import FusedAngles, fuse_angles
-from mobility_imu.scooter.fusion_noise import smallest_step
-from mobility_imu.scooter.fusion_settings import FusionSettings
+from mobility_imu.scooter.fusion import LARGEST_VALID_SD_RAD, FusedAngles, fuse_angles
+from mobility_imu.scooter.fusion_noise import acceleration_noise, smallest_step
+from mobility_imu.scooter.fusion_settings import SETTING_LIMITS, FusionSettings
 from mobility_imu.scooter.geometry import ScooterGeometry
 from mobility_imu.scooter.mount import ScooterMount
 
@@ -47,6 +47,15 @@ __all__ = ["RideAngles", "RideSettings", "estimate_ride"]
 Method = Literal["closed-form", "fusion"]
 LARGEST_NOISE_MPS2 = 100.0
 """Largest noise of an accelerometer that settings may state."""
+SMALLEST_NOISE_MPS2 = SETTING_LIMITS["acc_sd_mps2"][0]
+"""Smallest one that fusion can compute with."""
+NOISE_TIMES = 3.0
+"""A recording with more noise than so many times the stated one was not made at rest: shaking is
+ten times what a data sheet says of the sensor, and the filter has to know it."""
+ASSUMED_TURN_SD_RAD = FusionSettings().misalignment_sd_rad
+"""What fusion assumes of a mount unless settings say otherwise."""
+LEAST_VALID = 0.5
+"""Part of the samples below which a ride says why so few are valid."""
 PAPER_MEDIAN_S = (0.2, 0.3)
 """Length of a median that passes for the paper's, which is 0.25 s."""
 ODDS_S = 1.0
@@ -67,9 +76,9 @@ class RideSettings:
     median_window : samples of the running median before the closed form, odd; 1 for none
     acc_noise_mps2 : m/s², noise (1 sd, per axis) of each accelerometer, for the closed form after
         the median. Without it the closed form states no standard deviation, and fusion takes the
-        noise from the recording.
+        noise from the recording; so it does, with a warning, where that is ``NOISE_TIMES`` as large
     smooth : whether fusion uses the whole recording; False uses the past only
-    fusion : FusionSettings; ``acc_noise_mps2``, if it is given, takes the place of its noise
+    fusion : FusionSettings; ``acc_noise_mps2``, if it is used, takes the place of its noise
 
     Raises
     ------
@@ -104,6 +113,11 @@ class RideSettings:
             if noise > LARGEST_NOISE_MPS2:
                 raise InputError(
                     f"acc_noise_mps2 = {noise:g}: expected at most {LARGEST_NOISE_MPS2:g} m/s²"
+                )
+            if noise < SMALLEST_NOISE_MPS2 and not closed:
+                raise InputError(
+                    f"acc_noise_mps2 = {noise:g}: expected at least {SMALLEST_NOISE_MPS2:g} m/s² "
+                    "with method = 'fusion'"
                 )
             object.__setattr__(self, "acc_noise_mps2", noise)
 
@@ -251,12 +265,15 @@ def _estimate(
     usable, warnings = usable_samples(ride, settings.sensors)
     if settings.method == "fusion":
         gyr = {name: ride.gyroscope(name) for name in settings.sensors}
-        settings = dataclasses.replace(settings, fusion=_fusion_settings(settings, acc, mount))
     try:
         if settings.method == "fusion":
+            quiet = _quieter_than_it_is(settings, acc)
+            own = _fusion_settings(settings, acc, mount, stated=not quiet)
+            settings = dataclasses.replace(settings, fusion=own)
             angles, used, odds = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
             settings = dataclasses.replace(settings, fusion=used)
             warnings += [f"{ride.source}: {warning}" for warning in odds]
+            warnings += [*quiet, *_less_known_than_assumed(own, mount)]
         else:
             angles, accelerated = _closed_form(acc, geometry, mount, settings)
             scaled = _scale_warnings(acc, ride.sampling_rate_hz)
@@ -266,6 +283,8 @@ def _estimate(
     except InputError as error:
         raise InputError(f"{ride.source}: {error}") from None
     steering, throttle, steering_sd, throttle_sd, valid = angles
+    if valid.mean() < LEAST_VALID and not (odds if settings.method == "fusion" else accelerated):
+        warnings.append(f"{ride.source}: {_few_valid(valid, settings.method)}")
     return RideAngles(
         ride.time_s,
         steering,
@@ -275,6 +294,17 @@ def _estimate(
         valid & usable,
         settings,
         tuple(warnings),
+    )
+
+
+def _few_valid(valid: NDArray[np.bool_], method: Method) -> str:
+    """Why few samples are valid although the sensors were hardly accelerated."""
+    why = "fit no angles of the controls, or do not show the steering"
+    if method == "fusion":
+        why = f"leave the steering uncertain by {np.rad2deg(LARGEST_VALID_SD_RAD):.0f} deg or more"
+    return (
+        f"{valid.mean():.0%} of the samples are valid: the others {why}; look at the mount, at the "
+        "inclinations of the geometry, and at the axes and names of the sensors"
     )
 
 
@@ -365,12 +395,46 @@ def _median_warnings(window: int, sampling_rate_hz: float) -> list[str]:
     ]
 
 
+def _quieter_than_it_is(settings: RideSettings, acc: dict[str, FloatArray]) -> tuple[str, ...]:
+    """Warning if the stated noise is far below that of the recording."""
+    stated = settings.acc_noise_mps2
+    if stated is None:
+        return ()
+    # Of the difference of both sensors; half of its variance is each one's.
+    own = acceleration_noise(acc["lever"], acc["body"]) / 2**0.5
+    if own <= NOISE_TIMES * stated:
+        return ()
+    return (
+        f"a noise of {stated:.3g} m/s² is stated, the accelerations have {own:.2g} m/s² (with "
+        "shaking): the standard deviations would be too small, so the recording's noise is taken",
+    )
+
+
+def _less_known_than_assumed(used: FusionSettings, mount: ScooterMount | None) -> tuple[str, ...]:
+    """Warning if a mount states more than fusion assumes of one that was never calibrated."""
+    if mount is None or mount.sd_rad is None:
+        return ()
+    part = float(np.median(mount.sd_rad)) / 2**0.5
+    if part <= used.misalignment_sd_rad or used.misalignment_sd_rad != ASSUMED_TURN_SD_RAD:
+        return ()
+    stated, assumed = np.rad2deg([part, used.misalignment_sd_rad]) * 2**0.5
+    return (
+        f"the mount's sd_rad states {stated:.1f} deg (median), fusion assumes {assumed:.1f} deg at "
+        "most: if the mount is known so badly, the angles' standard deviations are too small; "
+        "calibrate it",
+    )
+
+
 def _fusion_settings(
-    settings: RideSettings, acc: dict[str, FloatArray], mount: ScooterMount | None
+    settings: RideSettings,
+    acc: dict[str, FloatArray],
+    mount: ScooterMount | None,
+    *,
+    stated: bool = True,
 ) -> FusionSettings:
     """Settings with what was stated beside them, and with what a calibration left of the mount."""
     fusion = settings.fusion
-    if settings.acc_noise_mps2 is not None:
+    if settings.acc_noise_mps2 is not None and stated:
         # The filter's noise is that of the difference of both sensors.
         fusion = dataclasses.replace(fusion, acc_sd_mps2=settings.acc_noise_mps2 * 2**0.5)
     if fusion.acc_step_mps2 is None:
@@ -419,14 +483,14 @@ def _fused(
         return angles, found.settings, scaled
     fraction = float(contradicted.mean())
     if fraction <= ACCELERATED_FRACTION:
-        return angles, found.settings, ()
+        return angles, found.settings, found.warnings
     warning = (
         f"the filter's angles contradict the accelerations around them in {fraction:.0%} of the "
         f"samples, by more than {np.rad2deg(LARGEST_ERROR_RAD):.0f} deg and three standard "
         "deviations: it went astray, and these samples are marked as not valid; "
         "are the sensors worse than FusionSettings assumes?"
     )
-    return angles, found.settings, (warning,)
+    return angles, found.settings, (warning, *found.warnings)
 
 
 def _contradicted(

@@ -175,3 +175,16 @@ def test_a_mount_that_is_a_mirror(tmp_path, fails):
             "rotation_body_imu_to_body = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
         )
     fails(*angles(), says=["g.toml", "rotation_lever_imu_to_lever", "mirror"])
+
+
+def test_options_that_a_method_does_not_use_are_told(tmp_path, works, fails):
+    with_gyroscopes(tmp_path)
+    fusion = (*angles(), "--method", "fusion")
+    for line, option in (
+        ((*angles(), "--causal"), "--causal"),
+        ((*fusion, "--form", "printed"), "--form"),
+        ((*fusion, "--median-window", 5), "--median-window"),
+    ):
+        assert f"warning: {option} has no effect with --method" in works(*line).stderr
+    assert "no effect" not in works(*fusion, "--causal").stderr
+    fails(*fusion, "--acc-noise-mps2", "1e-9", says=["--acc-noise-mps2 1e-09: expected at least"])

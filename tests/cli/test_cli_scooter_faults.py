@@ -115,3 +115,17 @@ def test_check_and_calibrate_tell_faults_of_parked_recordings(tmp_path, works):
     line = ["scooter", "calibrate", "bad.csv", "parked_ramp.csv.gz", *options, "-o", "m.toml"]
     assert "bad.csv: lever_gyr turns the other way" in works(*line).stderr
     assert "bad.csv: lever_gyr turns" in works("scooter", "check", "bad.csv", *options).stderr
+
+
+def held_lever(ride):
+    names = [name for name in ride if name.startswith("lever_acc")]
+    ride.loc[20:60, names] = ride.loc[20, names].to_numpy()
+
+
+@pytest.mark.usefixtures("simulated")
+def test_what_the_estimate_says_of_a_sensor_is_refused_if_strict(tmp_path, works, fails):
+    """At rest, a held reading costs too little to be told with its cost; a fault it is."""
+    line = [*angles(spoil(tmp_path, held_lever), "geometry.toml"), *FUSION]
+    assert "bad.csv: lever_acc is frozen in 41 samples" in works(*line).stderr
+    (tmp_path / "a.csv").unlink()
+    fails(*line, "--strict", says=["bad.csv: lever_acc is frozen in 41 samples"])

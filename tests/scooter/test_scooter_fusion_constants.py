@@ -1,0 +1,41 @@
+"""Constants that the fusion learns: an error that no sensor has is named, of the right sensor."""
+
+import numpy as np
+import pytest
+
+from mobility_imu.scooter import FusionSettings
+from mobility_imu.scooter.fusion_constants import constant_deviations, unlikely_constant
+from mobility_imu.scooter.fusion_filter import ARMS, BODY, CONSTANTS
+
+SIZES = FusionSettings()
+
+
+def test_every_constant_has_the_deviation_of_its_kind():
+    sd = constant_deviations(SIZES)
+    assert sd.shape == (CONSTANTS,) and np.array_equal(sd[:BODY], sd[BODY:ARMS])
+    assert (sd[:3] == SIZES.acc_offset_sd_mps2).all() and (sd[3:6] == SIZES.acc_scale_sd).all()
+    assert (sd[6:9] == SIZES.misalignment_sd_rad).all() and (sd[9:12] == SIZES.gyr_scale_sd).all()
+    assert (sd[12:15] == SIZES.bias_sd_radps).all() and (sd[15:18] == SIZES.axes_apart_sd_rad).all()
+    assert (sd[ARMS:] == SIZES.lever_arm_sd_m).all()
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        (0, "lever's accelerometer's offset is off by 5 times what is assumed (axis x)"),
+        (5, "lever's accelerometer's scale is off by 5 times what is assumed (axis z)"),
+        (BODY + 7, "body's turn is off by 5 times what is assumed (axis y)"),
+        (BODY + 9, "body's gyroscope's scale is off by 5 times what is assumed (axis x)"),
+        (12, None),
+        (BODY + 15, None),
+        (ARMS, None),
+    ],
+)
+def test_an_error_that_no_sensor_has_is_named(place, words):
+    """Offsets of gyroscopes show at rest, and lever arms are what the mounting makes them."""
+    for times, told in ((-5.0, words is not None), (3.9, False)):
+        learned = np.zeros(CONSTANTS)
+        learned[place] = times * constant_deviations(SIZES)[place]
+        found = unlikely_constant(learned, SIZES)
+        assert len(found) == told
+        assert not told or words in found[0]
