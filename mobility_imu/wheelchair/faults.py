@@ -21,7 +21,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine, fault_of
 from mobility_imu.offsets import GyroscopeOffset
 from mobility_imu.recording import Recording
-from mobility_imu.wheelchair import frame_faults, wheel_faults
+from mobility_imu.wheelchair import frame_faults, rest_faults, wheel_faults
 from mobility_imu.wheelchair.contradictions import Witnesses, lone_jumps
 from mobility_imu.wheelchair.dead_axis import without_axis
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
@@ -63,6 +63,8 @@ courts that the study of faults does not use."""
 Look = Callable[[Witnesses], Iterator[Fault]]
 LOOKS: tuple[Look, ...] = (
     frame_faults.taken_for_a_wheel,
+    rest_faults.large_offsets,
+    rest_faults.changing_offsets,
     wheel_faults.other_axles,
     wheel_faults.other_spins,
     frame_faults.tilted,
