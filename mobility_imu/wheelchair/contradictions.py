@@ -87,6 +87,7 @@ class Witnesses(Result):
     failed : sensor to (n,) bool array, gyroscopes that fail
     settings : VelocitySettings
     mute : sensors whose gyroscope fails too long to judge others by
+    touched : (n,) bool array, samples that faults of one sensor touch; none if None
     """
 
     recording: Recording
@@ -96,6 +97,13 @@ class Witnesses(Result):
     failed: Mapping[str, NDArray[np.bool_]]
     settings: VelocitySettings
     mute: frozenset[str] = frozenset()
+    touched: NDArray[np.bool_] | None = None
+
+    @cached_property
+    def spoiled(self) -> NDArray[np.bool_]:
+        """Samples in which some sensor shows a fault by itself."""
+        none = np.zeros(len(self.recording), np.bool_)
+        return none if self.touched is None else self.touched
 
     @cached_property
     def names(self) -> list[str]:

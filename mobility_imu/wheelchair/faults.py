@@ -21,7 +21,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine, fault_of
 from mobility_imu.offsets import GyroscopeOffset
 from mobility_imu.recording import Recording
-from mobility_imu.wheelchair import frame_faults, rest_faults, wheel_faults
+from mobility_imu.wheelchair import frame_faults, piece_faults, rest_faults, wheel_faults
 from mobility_imu.wheelchair.contradictions import Witnesses, lone_jumps
 from mobility_imu.wheelchair.dead_axis import without_axis
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
@@ -69,10 +69,12 @@ LOOKS: tuple[Look, ...] = (
     wheel_faults.other_spins,
     frame_faults.tilted,
     frame_faults.other_signs,
+    piece_faults.at_odds_in_part,
     wheel_faults.late,
     wheel_faults.wrong_scales,
     wheel_faults.wrong_offsets,
     frame_faults.wrong_scale_or_offset,
+    piece_faults.still_at_odds_in_part,
     frame_faults.at_odds,
 )
 """What is looked at, in this order: what turns a sensor round before what moves it a little."""
@@ -189,6 +191,11 @@ def sensor_faults(
     for look in LOOKS:
         new = list(look(witnesses))
         looked += new
+        part = [fault for fault in new if fault.code == "at odds" and not fault.flags.all()]
+        if any(fault.flags.mean() > piece_faults.MUCH for fault in part):
+            break
+        for fault in part:
+            witnesses = replace(witnesses, touched=witnesses.spoiled | fault.flags)
         mending = [fault for fault in new if fault.repair is not None]
         if any(fault.code == "exchanged" for fault in mending):
             # What each sensor shows by itself, and what replaces it, goes by the right names now.
@@ -213,8 +220,16 @@ def _witnesses(
     own, failed = list(own), _failed(recording, geometry, mount)
     mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
     mute |= {_parts(fault.sensor)[0] for fault in own if fault.code == "dead axis"}
+    touched = np.any([f.flags for f in own if not f.flags.all()] + [*failed.values()], axis=0)
     return Witnesses(
-        all_repaired(own, recording), geometry, mount, given, failed, settings, frozenset(mute)
+        all_repaired(own, recording),
+        geometry,
+        mount,
+        given,
+        failed,
+        settings,
+        frozenset(mute),
+        touched if np.ndim(touched) else None,
     )
 
 

@@ -67,12 +67,12 @@ def large_offsets(w: Witnesses) -> Iterator[Fault]:
 def _rests(w: Witnesses) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Times, in samples, and means of the half seconds in which each gyroscope rests."""
     rest = common_rest(w.recording, w.names, skip=w.failed)
-    found = {}
+    found: dict[str, tuple[FloatArray, FloatArray]] = {}
     for name in w.names:
         works = ~w.failed[name] if name in w.failed else np.ones(len(rest), np.bool_)
         blocks = rest_blocks(w.recording.gyroscope(name), rest & works, w.rate_hz)
         if name not in w.mute:
-            found[name] = blocks.first + blocks.length / 2, blocks.mean_radps
+            found[name] = np.asarray(blocks.first + blocks.length / 2, float), blocks.mean_radps
     return found
 
 
