@@ -31,7 +31,13 @@ from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
 from mobility_imu.wheelchair.lags import Lag, lag_between
 from mobility_imu.wheelchair.mount import WheelchairMount
 from mobility_imu.wheelchair.recovery import tied_rate
-from mobility_imu.wheelchair.turning import SpinFit, spin_fit, up_in_plane, yaw_rate_of_wheel
+from mobility_imu.wheelchair.turning import (
+    SpinFit,
+    spin_fit,
+    up_in_plane,
+    without_arm,
+    yaw_rate_of_wheel,
+)
 from mobility_imu.wheelchair.uncertainty import AssumedErrors
 from mobility_imu.wheelchair.velocity import VelocitySettings
 
@@ -43,6 +49,8 @@ SHORTEST_SPINNING_S = 3.0
 """In less time a wheel goes round too rarely for the chair's turn to cancel across its axle."""
 SLOW_TURN_RADPS = 0.3
 """Below it, the centripetal acceleration of a sensor beside the middle is under 0.03 m/s²."""
+SHORTEST_SLOW_S = 3.0
+"""In less time a chair that speeds up leans the force by some degrees throughout."""
 LARGEST_PUSH_MPS2 = 1.0
 """Specific force within this of gravity, averaged over a second, shows up to 6 deg."""
 LEAST_TURNED_RAD = np.pi
@@ -296,8 +304,9 @@ def axle_of(witnesses: Witnesses, side: Side) -> tuple[FloatArray, float] | None
 
     Returns
     -------
-    (3,) unit array, either way round, and the root mean square across over along; None if the
-    wheel turns too little
+    (3,) unit array, either way round, and its scatter: the root mean square across over along, or
+    the angle between the axles of both halves of the turning if that is larger; None if the wheel
+    turns too little
     """
     name, rate = f"{side}_wheel", witnesses.rate_hz
     gyr = witnesses.at_rest.gyroscope(name)
@@ -305,15 +314,26 @@ def axle_of(witnesses: Witnesses, side: Side) -> tuple[FloatArray, float] | None
     fast = np.linalg.norm(gyr, axis=1) > SPINNING_RADPS
     if fast.sum() < SHORTEST_SPINNING_S * rate:
         return None
-    squares, directions = np.linalg.eigh(gyr[fast].T @ gyr[fast])
+    _, directions = np.linalg.eigh(gyr[fast].T @ gyr[fast])
+    axle, rest = directions[:, -1], gyr
     for _ in range(2):
-        axle = directions[:, -1]
         across = np.linalg.svd(axle[None, :])[2][1:]
         if np.linalg.det(np.vstack([across, axle])) < 0:
             across = across[::-1]
-        up = up_in_plane(acc @ across.T, gyr @ axle, rate) @ across
+        # On a wheel's rim its spin pulls up aside, to one side in the sensor's axes.
+        spin = gyr @ axle
+        in_wheel = without_arm(acc @ np.vstack([across, axle]).T, spin, rate)
+        up = up_in_plane(in_wheel[:, :2], spin, rate) @ across
         rest = gyr - (gyr * up).sum(axis=1)[:, None] * up
-        squares, directions = np.linalg.eigh(rest[fast].T @ rest[fast])
+        axle, scatter = _main_direction(rest[fast])
+    halves = [_main_direction(half)[0] for half in np.array_split(rest[fast], 2)]
+    apart = float(np.arccos(np.clip(abs(halves[0] @ halves[1]), 0.0, 1.0)))
+    return axle, max(scatter, apart)
+
+
+def _main_direction(rates: FloatArray) -> tuple[FloatArray, float]:
+    """Direction of the largest mean square, and the root mean square across over along."""
+    squares, directions = np.linalg.eigh(rates.T @ rates)
     scatter = float(np.sqrt(max(squares[0] + squares[1], 0.0) / max(squares[2], 1e-12)))
     return directions[:, -1], scatter
 
@@ -352,10 +372,9 @@ def tilt_of(witnesses: Witnesses) -> tuple[FloatArray, float] | None:
     length = steady_direction(force)
     turn = ndimage.uniform_filter1d(np.linalg.norm(witnesses.rates["frame"], axis=1), round(rate))
     slow = calm & (turn < SLOW_TURN_RADPS)
-    if slow.sum() < rate:
-        slow = calm
-    if slow.sum() < rate:
-        return None
+    slow &= ~witnesses.spoiled
+    if slow.sum() < SHORTEST_SLOW_S * rate:
+        return None  # a turn pulls a sensor beside the middle outward, by some degrees
     up = np.median(force[slow] / size[slow, None], axis=0)
     return np.asarray(up / np.linalg.norm(up)), length
 

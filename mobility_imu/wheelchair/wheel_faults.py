@@ -21,7 +21,7 @@ from mobility_imu.faults import (
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
-from mobility_imu.wheelchair.contradictions import Witnesses, axle_of
+from mobility_imu.wheelchair.contradictions import Witnesses, axle_of, gain_of
 from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import SIDES, Side
 from mobility_imu.wheelchair.lags import Lag, lag_between
@@ -65,6 +65,8 @@ LARGEST_CONDITION = 50.0
 """Beyond it, turn, speed and constant cannot be told apart: errors may grow so many times."""
 PIECE_S = 2.0
 """Residuals of one piece depend on each other: a stroke lasts about a second."""
+FEWEST_PIECES = 10
+"""Of fewer, the scatter says little of three unknowns: chance makes it ten times too small."""
 
 
 def other_axles(w: Witnesses) -> Iterator[Fault]:
@@ -300,7 +302,7 @@ def wrong_scales(w: Witnesses) -> Iterator[Fault]:
         error, sd = fit.scale(w.offset_sd(name, w.mount.rotation_imu_to_wheel(side)[2]))
         if abs(error) > max(LEAST_SCALE, SURE * sd):
             wrong[name] = error, sd
-    if _alike(wrong):
+    if _alike(wrong) and not _frame_speaks_against_clock(w, wrong):
         yield _other_clock(w.recording, wrong)
         return
     for name, (error, sd) in wrong.items():
@@ -322,6 +324,20 @@ def _alike(wrong: dict[str, tuple[float, float]]) -> bool:
     (left, left_sd), (right, right_sd) = wrong.values()
     apart = max(CLOCK_SDS * float(np.hypot(left_sd, right_sd)), LEAST_SCALE)
     return abs(left - right) < apart and min(abs(left), abs(right)) > LEAST_CLOCK
+
+
+def _frame_speaks_against_clock(w: Witnesses, wrong: Mapping[str, tuple[float, float]]) -> bool:
+    """Whether the frame's gyroscope fits the wheels' only once their scale is mended.
+
+    Another clock leaves all gyroscopes alike: the frame then fits the wheels as they read.
+    """
+    if w.by_gravity is None or "frame" not in w.yaw:
+        return False
+    gain = gain_of(w.by_gravity, w.yaw["frame"], w.rate_hz)
+    if gain is None or gain.correlation < GO_TOGETHER:
+        return False
+    error = float(np.mean([one[0] for one in wrong.values()]))
+    return abs(gain.gain * (1 + error) - 1) < abs(gain.gain - 1)
 
 
 def _other_clock(recording: Recording, wrong: dict[str, tuple[float, float]]) -> Fault:
@@ -413,6 +429,8 @@ def _apart(w: Witnesses) -> tuple[float, float] | None:
         misfit = np.abs(target - design @ found)
         used = misfit <= max(4 * 1.48 * float(np.median(misfit)), 0.01)
     piece = pieces_of(len(target), PIECE_S, w.rate_hz)
+    if len(np.unique(piece[used])) < FEWEST_PIECES:
+        return None
     found, covariance = fit_by_pieces(design[used], target[used], piece[used])
     return float(found[2]), float(np.sqrt(covariance[2, 2]))
 
