@@ -21,7 +21,13 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine, fault_of
 from mobility_imu.offsets import GyroscopeOffset
 from mobility_imu.recording import Recording
-from mobility_imu.wheelchair import frame_faults, piece_faults, rest_faults, wheel_faults
+from mobility_imu.wheelchair import (
+    frame_faults,
+    piece_faults,
+    rest_faults,
+    sign_faults,
+    wheel_faults,
+)
 from mobility_imu.wheelchair.contradictions import Witnesses, lone_jumps
 from mobility_imu.wheelchair.dead_axis import without_axis
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
@@ -205,7 +211,7 @@ def sensor_faults(
         elif mending:
             mended = all_repaired(mending, witnesses.recording)
             witnesses = replace(witnesses, recording=mended)
-    return (*found, *looked)
+    return tuple(sign_faults.told_once([*found, *looked]))
 
 
 def _witnesses(
@@ -293,7 +299,9 @@ def _of_one_sensor(
     failed, found = one.failed, list[Fault]()
     for fault in examine(recording):
         sensor, half = _parts(fault.sensor)
-        if half != "gyr" or sensor not in CHAIR or fault.code not in REPLACED:
+        if fault.code == "reversed":
+            found.append(sign_faults.of_accelerometer(fault, recording, geometry, mount))
+        elif half != "gyr" or sensor not in CHAIR or fault.code not in REPLACED:
             found.append(fault)
         elif fault.code == "dead axis":
             found.append(_dead(one, fault, sensor))
@@ -522,6 +530,7 @@ def not_told(
 
     A warning of a gyroscope at the end of its range, or replaced by the others, is left out where
     such a fault of that sensor is told; that wheels and frame disagree, where a fault explains it.
+    One more warning says of a short drive that its sensors were not compared.
 
     Parameters
     ----------
@@ -554,4 +563,16 @@ def not_told(
                 recording.source,
             )
         )
-    return [sentence for sentence in drive.warnings if sentence not in known]
+    left = [sentence for sentence in drive.warnings if sentence not in known]
+    return left + _too_short(recording)
+
+
+def _too_short(recording: Recording) -> list[str]:
+    """Warning that the sensors of a short drive were not compared with each other."""
+    duration_s = float(recording.time_s[-1] - recording.time_s[0])
+    if duration_s >= SHORTEST_S:
+        return []
+    return [
+        f"{recording.source}: {duration_s:.1f} s are too short to compare the sensors with each "
+        f"other ({SHORTEST_S:g} s or more); only what each shows by itself was looked for"
+    ]

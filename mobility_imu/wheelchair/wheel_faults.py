@@ -13,9 +13,11 @@ from mobility_imu.faults import (
     Fault,
     Repair,
     exchanged,
+    half_of,
     multiplied,
     shifted,
     turned_back,
+    with_half,
     without_offset,
 )
 from mobility_imu.frames import FloatArray
@@ -26,9 +28,16 @@ from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import SIDES, Side
 from mobility_imu.wheelchair.lags import Lag, lag_between
 from mobility_imu.wheelchair.recovery import tied_rate
+from mobility_imu.wheelchair.sign_faults import APART, GO_TOGETHER, correlation_of, reads_gravity
 from mobility_imu.wheelchair.turning import yaw_rate_of_wheel
 
-__all__ = ["late", "other_axles", "other_spins", "wrong_offsets", "wrong_scales"]
+__all__ = [
+    "late",
+    "other_axles",
+    "other_spins",
+    "wrong_offsets",
+    "wrong_scales",
+]
 
 LARGEST_AXLE_RAD = float(np.deg2rad(2.0))
 """Axle of a drive against that of the straight-line trial: real drives stay below 1.5 deg."""
@@ -45,9 +54,6 @@ LEAST_LAG_SD_S = 0.001
 """Standard deviation of a lag at least: vibration is no movement of the whole chair."""
 SURE_SIGN = 0.5
 """A factor beyond it, with the wrong sign, is no scale error: no gyroscope reads so little."""
-GO_TOGETHER, APART = 0.95, 0.9
-"""Correlations of yaw rates that surely are of one motion, and of such that are not. Set by hand on
-simulated courts that the study of faults does not use."""
 SURE = 4.0
 """Standard deviations from which on a difference is told; by chance once in 10,000 times."""
 LEAST_SCALE = 0.0125
@@ -180,6 +186,14 @@ def other_spins(w: Witnesses) -> Iterator[Fault]:
     """
     for side in w.sides:
         fit, name = w.spin_fit(side), f"{side}_wheel"
+        if reads_gravity(w, name):
+            yield fault_of(
+                w.recording, "reversed", f"{name}_acc", np.ones(len(w.recording), np.bool_),
+                "reads -1 g upward, by the chair's turn: all axes of the accelerometer have the "
+                "wrong sign; check the export's axes",
+                repair=partial(multiplied, sensor=name, half="acc", factors=-np.ones(3)),
+            )  # fmt: skip
+            continue
         signs = (
             (-1.0, -1.0, -1.0) if fit is not None and fit.factor < -SURE_SIGN else _signs(w, side)
         )
@@ -205,24 +219,18 @@ def _signs(w: Witnesses, side: Side) -> tuple[float, ...] | None:
     if len(others) < 2 or not w.turns(others[0]):
         return None
     first, second = (w.yaw[other] for other in others)
-    together = _correlation(first, second, w.rate_hz)
-    if together < GO_TOGETHER or _correlation(first, w.yaw[name], w.rate_hz) > APART:
+    together = correlation_of(first, second, w.rate_hz)
+    if together < GO_TOGETHER or correlation_of(first, w.yaw[name], w.rate_hz) > APART:
         return None
     turn = w.mount.rotation_imu_to_wheel(side)
     best, most = None, GO_TOGETHER
     for signs in product((1.0, -1.0), repeat=3):
         gyr = (w.at_rest.gyroscope(name) * np.array(signs)) @ turn.T
         yaw = yaw_rate_of_wheel(gyr, w.forces[name], w.geometry.camber_rad, w.rate_hz)
-        found = _correlation(first, yaw, w.rate_hz)
+        found = correlation_of(first, yaw, w.rate_hz)
         if found > most:
             best, most = signs, found
     return best if best is not None and min(best) < 0 else None
-
-
-def _correlation(first: FloatArray, second: FloatArray, rate_hz: float) -> float:
-    """Of two series at the lag that suits them best; 0 where they do not go together."""
-    lag = lag_between(first, second, rate_hz)
-    return 0.0 if lag is None else lag.correlation
 
 
 def late(w: Witnesses) -> Iterator[Fault]:
@@ -258,11 +266,49 @@ def late(w: Witnesses) -> Iterator[Fault]:
             continue
         way = "lags by" if lag_s > 0 else "comes early by"
         whole = np.ones(len(w.recording), np.bool_)
+        drift = _drift(w, name, next(one for one in times if one != name))
+        if drift is not None:
+            size = max(abs(one) for one in drift)
+            yield fault_of(
+                w.recording, "lag", name, whole,
+                f"has a clock that drifts against {behind}: its lag is {drift[0]:+.3f} s at the "
+                f"beginning and {drift[1]:+.3f} s at the end; put the sensors on one clock",
+                size=size, unit="s", repair=partial(_redrifted, sensor=name, lags_s=drift),
+            )  # fmt: skip
+            continue
         yield fault_of(
             w.recording, "lag", name, whole,
             f"{way} {abs(lag_s):.3f} ± {spread:.3f} s against {behind}; put the sensors on one "
             "clock", size=abs(lag_s), unit="s", repair=partial(shifted, sensor=name, lag_s=lag_s),
         )  # fmt: skip
+
+
+def _drift(w: Witnesses, name: str, other: str) -> tuple[float, float] | None:
+    """Lags of a sensor at the beginning and the end, where those of both halves surely differ."""
+    halves = [
+        lag_between(first, second, w.rate_hz)
+        for first, second in zip(
+            np.array_split(w.yaw[other], 2), np.array_split(w.yaw[name], 2), strict=True
+        )
+    ]
+    early, late = halves
+    if early is None or late is None or min(early.correlation, late.correlation) < GO_TOGETHER:
+        return None
+    grows, sd = late.lag_s - early.lag_s, float(np.hypot(early.sd_s, late.sd_s))
+    if abs(grows) <= max(LEAST_LAG_SAMPLES / w.rate_hz, SURE * float(np.hypot(sd, LEAST_LAG_SD_S))):
+        return None
+    return early.lag_s - grows / 2, late.lag_s + grows / 2
+
+
+def _redrifted(recording: Recording, sensor: str, lags_s: tuple[float, float]) -> Recording:
+    """Recording in which a sensor is read at times that run from one lag to another."""
+    count, time_s = len(recording), recording.time_s
+    at = time_s + np.linspace(*lags_s, count)
+    for half in ("acc", "gyr"):
+        values = half_of(recording, sensor, half)
+        moved = np.column_stack([np.interp(at, time_s, axis) for axis in values.T])
+        recording = with_half(recording, sensor, half, moved)
+    return recording
 
 
 def _times_after(
