@@ -23,6 +23,7 @@ from mobility_imu.wheelchair.contradictions import Witnesses, gain_of
 from mobility_imu.wheelchair.fits import pieces_of
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.recovery import replaced
+from mobility_imu.wheelchair.wheel_faults import drift_between
 
 __all__ = ["MUCH", "at_odds_in_part", "still_at_odds_in_part"]
 
@@ -51,6 +52,8 @@ ALIKE = 0.95
 """Correlation from which on one lag and one factor may explain the whole of a drive."""
 EXPLAINED = 0.5
 """They do where they leave less than this part of the differences."""
+SURELY_EXPLAINED = 0.3
+"""The same of a lag that grows steadily, which fits a late part of a drive by half, too."""
 NEAR_ODDS = 0.4
 """Part of the limit that counts beside a piece at odds."""
 TELLING_RADPS = float(np.deg2rad(8.0))
@@ -60,8 +63,8 @@ TELLING_RADPS = float(np.deg2rad(8.0))
 def at_odds_in_part(w: Witnesses) -> Iterator[Fault]:
     """A sensor whose yaw rate leaves the two others' in some pieces of a drive.
 
-    Nothing is said where one lag and one factor of the whole drive explain most of it: they are
-    looked for first, and :func:`still_at_odds_in_part` looks again.
+    Nothing is said where one lag, steady or drifting, and one factor of the whole drive explain
+    most of it: they are looked for first, and :func:`still_at_odds_in_part` looks again.
 
     Parameters
     ----------
@@ -76,6 +79,13 @@ def at_odds_in_part(w: Witnesses) -> Iterator[Fault]:
         left = _aligned(w.yaw[first], w.yaw[second], w.rate_hz) - w.yaw[first]
         if np.abs(left).mean() < EXPLAINED * np.abs(raw).mean():
             return
+        drift = drift_between(w, second, first)
+        if drift is not None:
+            at = np.arange(len(raw))
+            late = np.interp(at + np.linspace(*drift, len(at)) * w.rate_hz, at, w.yaw[second])
+            left = late - w.yaw[first]
+            if np.abs(left).mean() < SURELY_EXPLAINED * np.abs(raw).mean():
+                return
     yield from still_at_odds_in_part(w)
 
 

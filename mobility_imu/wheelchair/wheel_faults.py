@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
 
@@ -32,6 +32,7 @@ from mobility_imu.wheelchair.sign_faults import APART, GO_TOGETHER, correlation_
 from mobility_imu.wheelchair.turning import yaw_rate_of_wheel
 
 __all__ = [
+    "drift_between",
     "late",
     "other_axles",
     "other_spins",
@@ -262,11 +263,11 @@ def late(w: Witnesses) -> Iterator[Fault]:
     spread = float(np.linalg.norm(sorted(sds.values())[-2:]))
     for name, time_s in times.items():
         lag_s = time_s - middle
-        if abs(lag_s) <= max(least, SURE * spread):
+        drift = _drift_of(w, name, list(times))
+        if drift is None and abs(lag_s) <= max(least, SURE * spread):
             continue
         way = "lags by" if lag_s > 0 else "comes early by"
         whole = np.ones(len(w.recording), np.bool_)
-        drift = _drift(w, name, next(one for one in times if one != name))
         if drift is not None:
             size = max(abs(one) for one in drift)
             yield fault_of(
@@ -283,8 +284,27 @@ def late(w: Witnesses) -> Iterator[Fault]:
         )  # fmt: skip
 
 
-def _drift(w: Witnesses, name: str, other: str) -> tuple[float, float] | None:
-    """Lags of a sensor at the beginning and the end, where those of both halves surely differ."""
+def _drift_of(w: Witnesses, name: str, names: Sequence[str]) -> tuple[float, float] | None:
+    """Lags of a sensor at both ends, if it drifts against two others that do not drift."""
+    others = [one for one in names if one != name]
+    found = [drift_between(w, name, other) for other in others]
+    if len(others) < 2 or None in found or drift_between(w, *others) is not None:
+        return None
+    return found[0]
+
+
+def drift_between(w: Witnesses, name: str, other: str) -> tuple[float, float] | None:
+    """Lags of a sensor at the beginning and the end, where those of both halves surely differ.
+
+    Parameters
+    ----------
+    w : Witnesses
+    name, other : sensors
+
+    Returns
+    -------
+    two floats, s, of the first sensor after the other; None if the lag does not surely change
+    """
     halves = [
         lag_between(first, second, w.rate_hz)
         for first, second in zip(
