@@ -52,8 +52,8 @@ def reads_gravity(w: Witnesses, name: str) -> bool:
     spins = {one: w.rates[one][:, 2] for one in w.names}
     expected = tied_rate({n: r for n, r in spins.items() if n != name}, name, w.geometry)
     return (
-        correlation_of(first, second, w.rate_hz) > GO_TOGETHER
-        and correlation_of(first, -w.yaw[name], w.rate_hz) > GO_TOGETHER
+        _cosine(first, second) > GO_TOGETHER
+        and _cosine(first, -w.yaw[name]) > GO_TOGETHER
         and _cosine(spins[name], expected) > GO_TOGETHER
     )
 

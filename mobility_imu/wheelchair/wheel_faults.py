@@ -73,7 +73,7 @@ LARGEST_CONDITION = 50.0
 PIECE_S = 2.0
 """Residuals of one piece depend on each other: a stroke lasts about a second."""
 FEWEST_PIECES = 10
-"""Of fewer, the scatter says little of three unknowns: chance makes it ten times too small."""
+"""Of fewer, the scatter says little: chance makes it ten times too small."""
 
 
 def other_axles(w: Witnesses) -> Iterator[Fault]:
@@ -303,8 +303,11 @@ def drift_between(w: Witnesses, name: str, other: str) -> tuple[float, float] | 
 
     Returns
     -------
-    two floats, s, of the first sensor after the other; None if the lag does not surely change
+    two floats, s, of the first sensor after the other; None if the lag does not surely change, or
+    the drive is too short to tell
     """
+    if len(w.recording) < 2 * FEWEST_PIECES * PIECE_S * w.rate_hz:
+        return None
     halves = [
         lag_between(first, second, w.rate_hz)
         for first, second in zip(
