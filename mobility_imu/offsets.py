@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,11 +29,15 @@ from mobility_imu.runs import long_runs, runs_of
 
 __all__ = [
     "LARGE_OFFSET_RADPS",
+    "LARGE_SD_RADPS",
     "UNKNOWN_OFFSET_SD_RADPS",
     "GyroscopeOffset",
+    "RestBlocks",
+    "common_rest",
     "gyroscope_offset",
     "merge_offsets",
     "offset_warnings",
+    "rest_blocks",
     "rest_flags",
     "rest_offsets",
     "without_offsets",
@@ -188,6 +193,55 @@ def _spread(values: FloatArray, window: int) -> FloatArray:
     return np.asarray(np.sqrt(np.maximum(mean_square - np.einsum("ij,ij->i", mean, mean), 0.0)))
 
 
+class RestBlocks(NamedTuple):
+    """Half seconds of rest of one gyroscope.
+
+    Parameters
+    ----------
+    first : (k,) int array, their first samples
+    length : samples of each
+    mean_radps : (k, 3) array, rad/s
+    noise_radps : (3,) array, rad/s, of one sample, by the differences of neighbours
+    """
+
+    first: NDArray[np.int64]
+    length: int
+    mean_radps: FloatArray
+    noise_radps: FloatArray
+
+
+def rest_blocks(gyr_radps: ArrayLike, rest: ArrayLike, sampling_rate_hz: float) -> RestBlocks:
+    """Means of the half seconds in which one gyroscope rests, without both ends of each rest.
+
+    Parameters
+    ----------
+    gyr_radps : (n, 3) array, rad/s
+    rest : (n,) flags, as from :func:`rest_flags`
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    RestBlocks, in the order of time
+    """
+    gyr = as_vectors(gyr_radps, "gyr_radps", ndim=2, finite=True)
+    flags = as_flags(rest, "rest", length=len(gyr))
+    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    block, edge = max(2, round(BLOCK_S * rate)), round(EDGE_S * rate)
+    firsts, means, noise = [np.zeros(0, np.int64)], [np.zeros((0, 3))], [np.zeros((0, 3))]
+    for run in runs_of(flags):
+        # The recording's own ends are no motion.
+        start = run.start + (edge if run.start else 0)
+        stop = run.stop - (edge if run.stop < len(gyr) else 0)
+        count = max(stop - start, 0) // block
+        parts = gyr[start : start + count * block].reshape(count, block, 3)
+        firsts.append(start + block * np.arange(count))
+        means.append(parts.mean(axis=1))
+        noise.append(np.diff(parts, axis=1).reshape(-1, 3))
+    changes = np.concatenate(noise)
+    white = np.sqrt(np.mean(np.square(changes), axis=0) / 2) if len(changes) else np.zeros(3)
+    return RestBlocks(np.concatenate(firsts), block, np.concatenate(means), white)
+
+
 def gyroscope_offset(
     gyr_radps: ArrayLike, rest: ArrayLike, sampling_rate_hz: float
 ) -> GyroscopeOffset | None:
@@ -208,20 +262,9 @@ def gyroscope_offset(
     -------
     GyroscopeOffset, or None with less than a second of rest
     """
-    gyr = as_vectors(gyr_radps, "gyr_radps", ndim=2, finite=True)
-    flags = as_flags(rest, "rest", length=len(gyr))
-    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
-    block, edge = max(2, round(BLOCK_S * rate)), round(EDGE_S * rate)
-    means, noise = [], []
-    for run in runs_of(flags):
-        # The recording's own ends are no motion.
-        start = run.start + (edge if run.start else 0)
-        stop = run.stop - (edge if run.stop < len(gyr) else 0)
-        count = max(stop - start, 0) // block
-        parts = gyr[start : start + count * block].reshape(count, block, 3)
-        means.append(parts.mean(axis=1))
-        noise.append(np.diff(parts, axis=1).reshape(-1, 3))
-    blocks = np.concatenate(means) if means else np.zeros((0, 3))
+    found = rest_blocks(gyr_radps, rest, sampling_rate_hz)
+    rate, blocks = as_number(sampling_rate_hz, "sampling_rate_hz"), found.mean_radps
+    block = found.length
     still = (np.abs(blocks) <= LARGEST_OFFSET_RADPS).all(axis=1)
     blocks = blocks[still]
     count = len(blocks)
@@ -234,7 +277,7 @@ def gyroscope_offset(
     free = count - 1
     student = min(free / (free - 2), LARGEST_T_VARIANCE) if free > 2 else LARGEST_T_VARIANCE
     scatter = np.cov(blocks.T) if free > 0 else np.zeros((3, 3))
-    white = np.sqrt(np.mean(np.square(np.concatenate(noise)), axis=0) / 2)
+    white = found.noise_radps
     # Three blocks or less show no scatter in some directions: the samples' noise is in all.
     least = np.mean(white**2) / (count * block) * min(3 / count, 1.0) + IN_RUN_SD_RADPS**2
     return GyroscopeOffset(
@@ -274,7 +317,35 @@ def rest_offsets(
         names = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
     else:
         names = list(sensors)
-    rate, count = recording.sampling_rate_hz, len(recording)
+    rate, none = recording.sampling_rate_hz, np.zeros(len(recording), np.bool_)
+    rest = common_rest(recording, names, skip=skip)
+    found = {
+        name: gyroscope_offset(
+            recording.gyroscope(name),
+            rest & ~np.asarray((skip or {}).get(name, none), np.bool_),
+            rate,
+        )
+        for name in names
+    }
+    return {name: offset for name, offset in found.items() if offset is not None}
+
+
+def common_rest(
+    recording: Recording, sensors: Collection[str], *, skip: Mapping[str, ArrayLike] | None = None
+) -> NDArray[np.bool_]:
+    """Where all of some sensors rest, for a second or longer.
+
+    Parameters
+    ----------
+    recording : Recording
+    sensors : names
+    skip : as for :func:`rest_offsets`
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    rate, count, names = recording.sampling_rate_hz, len(recording), list(sensors)
     fails = {
         name: as_flags(flags, f"skip[{name!r}]", length=count)
         for name, flags in (skip or {}).items()
@@ -286,12 +357,7 @@ def rest_offsets(
         still = rest_flags(recording.sensor(name).acc_mps2, recording.gyroscope(name), rate)
         rest &= still | fails.get(name, none)
         works |= ~fails.get(name, none)
-    rest = long_runs(rest & works, max(1, round(SHORTEST_REST_S * rate)), grow=False)
-    found = {
-        name: gyroscope_offset(recording.gyroscope(name), rest & ~fails.get(name, none), rate)
-        for name in names
-    }
-    return {name: offset for name, offset in found.items() if offset is not None}
+    return long_runs(rest & works, max(1, round(SHORTEST_REST_S * rate)), grow=False)
 
 
 def merge_offsets(

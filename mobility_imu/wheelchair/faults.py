@@ -21,7 +21,13 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine, fault_of
 from mobility_imu.offsets import GyroscopeOffset
 from mobility_imu.recording import Recording
-from mobility_imu.wheelchair import frame_faults, wheel_faults
+from mobility_imu.wheelchair import (
+    frame_faults,
+    piece_faults,
+    rest_faults,
+    sign_faults,
+    wheel_faults,
+)
 from mobility_imu.wheelchair.contradictions import Witnesses, lone_jumps
 from mobility_imu.wheelchair.dead_axis import without_axis
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
@@ -63,14 +69,18 @@ courts that the study of faults does not use."""
 Look = Callable[[Witnesses], Iterator[Fault]]
 LOOKS: tuple[Look, ...] = (
     frame_faults.taken_for_a_wheel,
+    rest_faults.large_offsets,
+    rest_faults.changing_offsets,
     wheel_faults.other_axles,
     wheel_faults.other_spins,
     frame_faults.tilted,
     frame_faults.other_signs,
+    piece_faults.at_odds_in_part,
     wheel_faults.late,
     wheel_faults.wrong_scales,
     wheel_faults.wrong_offsets,
     frame_faults.wrong_scale_or_offset,
+    piece_faults.still_at_odds_in_part,
     frame_faults.at_odds,
 )
 """What is looked at, in this order: what turns a sensor round before what moves it a little."""
@@ -187,6 +197,11 @@ def sensor_faults(
     for look in LOOKS:
         new = list(look(witnesses))
         looked += new
+        part = [fault for fault in new if fault.code == "at odds" and not fault.flags.all()]
+        if any(fault.flags.mean() > piece_faults.MUCH for fault in part):
+            break
+        for fault in part:
+            witnesses = replace(witnesses, touched=witnesses.spoiled | fault.flags)
         mending = [fault for fault in new if fault.repair is not None]
         if any(fault.code == "exchanged" for fault in mending):
             # What each sensor shows by itself, and what replaces it, goes by the right names now.
@@ -196,7 +211,7 @@ def sensor_faults(
         elif mending:
             mended = all_repaired(mending, witnesses.recording)
             witnesses = replace(witnesses, recording=mended)
-    return (*found, *looked)
+    return tuple(sign_faults.told_once([*found, *looked]))
 
 
 def _witnesses(
@@ -211,8 +226,16 @@ def _witnesses(
     own, failed = list(own), _failed(recording, geometry, mount)
     mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
     mute |= {_parts(fault.sensor)[0] for fault in own if fault.code == "dead axis"}
+    touched = np.any([f.flags for f in own if not f.flags.all()] + [*failed.values()], axis=0)
     return Witnesses(
-        all_repaired(own, recording), geometry, mount, given, failed, settings, frozenset(mute)
+        all_repaired(own, recording),
+        geometry,
+        mount,
+        given,
+        failed,
+        settings,
+        frozenset(mute),
+        touched if np.ndim(touched) else None,
     )
 
 
@@ -276,7 +299,9 @@ def _of_one_sensor(
     failed, found = one.failed, list[Fault]()
     for fault in examine(recording):
         sensor, half = _parts(fault.sensor)
-        if half != "gyr" or sensor not in CHAIR or fault.code not in REPLACED:
+        if fault.code == "reversed":
+            found.append(sign_faults.of_accelerometer(fault, recording, geometry, mount))
+        elif half != "gyr" or sensor not in CHAIR or fault.code not in REPLACED:
             found.append(fault)
         elif fault.code == "dead axis":
             found.append(_dead(one, fault, sensor))
@@ -505,6 +530,7 @@ def not_told(
 
     A warning of a gyroscope at the end of its range, or replaced by the others, is left out where
     such a fault of that sensor is told; that wheels and frame disagree, where a fault explains it.
+    One more warning says of a short drive that its sensors were not compared.
 
     Parameters
     ----------
@@ -537,4 +563,16 @@ def not_told(
                 recording.source,
             )
         )
-    return [sentence for sentence in drive.warnings if sentence not in known]
+    left = [sentence for sentence in drive.warnings if sentence not in known]
+    return left + _too_short(recording)
+
+
+def _too_short(recording: Recording) -> list[str]:
+    """Warning that the sensors of a short drive were not compared with each other."""
+    duration_s = float(recording.time_s[-1] - recording.time_s[0])
+    if duration_s >= SHORTEST_S:
+        return []
+    return [
+        f"{recording.source}: {duration_s:.1f} s are too short to compare the sensors with each "
+        f"other ({SHORTEST_S:g} s or more); only what each shows by itself was looked for"
+    ]

@@ -25,7 +25,9 @@ from mobility_imu.wheelchair.recovery import replaced
 from mobility_imu.wheelchair.slip import CHECK_SENSORS, detect_slip
 from mobility_imu.wheelchair.slip import at_odds as disagreement
 from mobility_imu.wheelchair.wheel_faults import (
+    FEWEST_PIECES,
     LEAST_OFFSET_RADPS,
+    PIECE_S,
     SURE,
     exchanged_wheels,
     offset_fault,
@@ -148,7 +150,7 @@ def other_signs(w: Witnesses) -> Iterator[Fault]:
         what = "the gyroscope" if len(bad) == 3 else f"axis {', '.join(bad)} of the gyroscope"
         yield fault_of(
             w.recording, "reversed", "frame_gyr", whole,
-            f"turns the other way than both wheels' sensors: {what} has the wrong sign; check the "
+            f"turns the other way than {_wheels(w)}: {what} has the wrong sign; check the "
             "export's axes",
             repair=partial(multiplied, sensor="frame", half="gyr", factors=np.array(signs)),
         )  # fmt: skip
@@ -213,14 +215,24 @@ def wrong_scale_or_offset(w: Witnesses) -> Iterator[Fault]:
         way = "too much" if error > 0 else "too little"
         yield fault_of(
             w.recording, "scale", "frame_gyr", whole,
-            f"reads {100 * abs(error):.1f} ± {100 * sd:.1f} % {way} against both wheels; calibrate "
-            "it, or check its range and unit", size=abs(error),
+            f"reads {100 * abs(error):.1f} ± {100 * sd:.1f} % {way} against {_wheels(w)}; "
+            "calibrate it, or check its range and unit", size=abs(error),
             repair=partial(multiplied, sensor="frame", half="gyr", factors=1 / (1 + error)),
         )  # fmt: skip
     offset, offset_sd = gain.constant_radps, gain.constant_sd_radps
-    if "frame" not in w.own_offsets and abs(offset) > max(LEAST_OFFSET_RADPS, SURE * offset_sd):
+    long = len(w.recording) >= FEWEST_PIECES * PIECE_S * w.rate_hz
+    if (
+        long
+        and "frame" not in w.own_offsets
+        and abs(offset) > max(LEAST_OFFSET_RADPS, SURE * offset_sd)
+    ):
         up = w.mount.rotation_frame_imu_to_chair[2]
-        yield offset_fault(w.recording, "frame", up, offset, offset_sd, "both wheels")
+        yield offset_fault(w.recording, "frame", up, offset, offset_sd, _wheels(w))
+
+
+def _wheels(w: Witnesses) -> str:
+    """Wheels that are witnesses, for a sentence."""
+    return "both wheels" if len(w.sides) == 2 else f"the {w.sides[0]} wheel"
 
 
 def _against_wheels(w: Witnesses) -> Gain | None:

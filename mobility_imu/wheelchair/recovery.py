@@ -87,7 +87,8 @@ def failed_gyroscopes(
 
     Exact readings of a steady motion, as simulated, repeat themselves as well: where no gyroscope
     has noise, a repetition counts if the others contradict it for long, or if the sensor's
-    accelerometer, on a wheel that turns, repeats itself too.
+    accelerometer, on a wheel that turns, repeats itself too. Gyroscopes none of which ever changes
+    its reading contradict nothing: all of them count.
 
     Parameters
     ----------
@@ -115,11 +116,21 @@ def failed_gyroscopes(
         return found
     along = _along(recording, sensors, mount)
     noisy = any(_is_noisy(recording.gyroscope(n)[~flags]) for n, flags in frozen.items())
+    noisy |= _none_says_anything(recording, sensors)
     for name, flags in frozen.items():
         real = flags if noisy else _contradicted(recording, name, flags, along, geometry)
         if real.any():
             found[name] = found[name] | real if name in found else real
     return found
+
+
+def _none_says_anything(recording: Recording, sensors: Sequence[str]) -> bool:
+    """Whether all gyroscopes read one number throughout, which may be an offset and is no spin."""
+    rates = [recording.gyroscope(name) for name in sensors]
+    return all(
+        not np.ptp(rate, axis=0).any() and np.abs(rate).max() <= LARGEST_OFFSET_RADPS
+        for rate in rates
+    )
 
 
 def held_samples(gyr_radps: FloatArray) -> Flags:

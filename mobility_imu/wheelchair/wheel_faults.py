@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
 
@@ -13,22 +13,32 @@ from mobility_imu.faults import (
     Fault,
     Repair,
     exchanged,
+    half_of,
     multiplied,
     shifted,
     turned_back,
+    with_half,
     without_offset,
 )
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
-from mobility_imu.wheelchair.contradictions import Witnesses, axle_of
+from mobility_imu.wheelchair.contradictions import Witnesses, axle_of, gain_of
 from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import SIDES, Side
 from mobility_imu.wheelchair.lags import Lag, lag_between
 from mobility_imu.wheelchair.recovery import tied_rate
+from mobility_imu.wheelchair.sign_faults import APART, GO_TOGETHER, correlation_of, reads_gravity
 from mobility_imu.wheelchair.turning import yaw_rate_of_wheel
 
-__all__ = ["late", "other_axles", "other_spins", "wrong_offsets", "wrong_scales"]
+__all__ = [
+    "drift_between",
+    "late",
+    "other_axles",
+    "other_spins",
+    "wrong_offsets",
+    "wrong_scales",
+]
 
 LARGEST_AXLE_RAD = float(np.deg2rad(2.0))
 """Axle of a drive against that of the straight-line trial: real drives stay below 1.5 deg."""
@@ -45,9 +55,6 @@ LEAST_LAG_SD_S = 0.001
 """Standard deviation of a lag at least: vibration is no movement of the whole chair."""
 SURE_SIGN = 0.5
 """A factor beyond it, with the wrong sign, is no scale error: no gyroscope reads so little."""
-GO_TOGETHER, APART = 0.95, 0.9
-"""Correlations of yaw rates that surely are of one motion, and of such that are not. Set by hand on
-simulated courts that the study of faults does not use."""
 SURE = 4.0
 """Standard deviations from which on a difference is told; by chance once in 10,000 times."""
 LEAST_SCALE = 0.0125
@@ -65,6 +72,8 @@ LARGEST_CONDITION = 50.0
 """Beyond it, turn, speed and constant cannot be told apart: errors may grow so many times."""
 PIECE_S = 2.0
 """Residuals of one piece depend on each other: a stroke lasts about a second."""
+FEWEST_PIECES = 10
+"""Of fewer, the scatter says little: chance makes it ten times too small."""
 
 
 def other_axles(w: Witnesses) -> Iterator[Fault]:
@@ -178,6 +187,14 @@ def other_spins(w: Witnesses) -> Iterator[Fault]:
     """
     for side in w.sides:
         fit, name = w.spin_fit(side), f"{side}_wheel"
+        if reads_gravity(w, name):
+            yield fault_of(
+                w.recording, "reversed", f"{name}_acc", np.ones(len(w.recording), np.bool_),
+                "reads -1 g upward, by the chair's turn: all axes of the accelerometer have the "
+                "wrong sign; check the export's axes",
+                repair=partial(multiplied, sensor=name, half="acc", factors=-np.ones(3)),
+            )  # fmt: skip
+            continue
         signs = (
             (-1.0, -1.0, -1.0) if fit is not None and fit.factor < -SURE_SIGN else _signs(w, side)
         )
@@ -203,24 +220,18 @@ def _signs(w: Witnesses, side: Side) -> tuple[float, ...] | None:
     if len(others) < 2 or not w.turns(others[0]):
         return None
     first, second = (w.yaw[other] for other in others)
-    together = _correlation(first, second, w.rate_hz)
-    if together < GO_TOGETHER or _correlation(first, w.yaw[name], w.rate_hz) > APART:
+    together = correlation_of(first, second, w.rate_hz)
+    if together < GO_TOGETHER or correlation_of(first, w.yaw[name], w.rate_hz) > APART:
         return None
     turn = w.mount.rotation_imu_to_wheel(side)
     best, most = None, GO_TOGETHER
     for signs in product((1.0, -1.0), repeat=3):
         gyr = (w.at_rest.gyroscope(name) * np.array(signs)) @ turn.T
         yaw = yaw_rate_of_wheel(gyr, w.forces[name], w.geometry.camber_rad, w.rate_hz)
-        found = _correlation(first, yaw, w.rate_hz)
+        found = correlation_of(first, yaw, w.rate_hz)
         if found > most:
             best, most = signs, found
     return best if best is not None and min(best) < 0 else None
-
-
-def _correlation(first: FloatArray, second: FloatArray, rate_hz: float) -> float:
-    """Of two series at the lag that suits them best; 0 where they do not go together."""
-    lag = lag_between(first, second, rate_hz)
-    return 0.0 if lag is None else lag.correlation
 
 
 def late(w: Witnesses) -> Iterator[Fault]:
@@ -252,15 +263,75 @@ def late(w: Witnesses) -> Iterator[Fault]:
     spread = float(np.linalg.norm(sorted(sds.values())[-2:]))
     for name, time_s in times.items():
         lag_s = time_s - middle
-        if abs(lag_s) <= max(least, SURE * spread):
+        drift = _drift_of(w, name, list(times))
+        if drift is None and abs(lag_s) <= max(least, SURE * spread):
             continue
         way = "lags by" if lag_s > 0 else "comes early by"
         whole = np.ones(len(w.recording), np.bool_)
+        if drift is not None:
+            size = max(abs(one) for one in drift)
+            yield fault_of(
+                w.recording, "lag", name, whole,
+                f"has a clock that drifts against {behind}: its lag is {drift[0]:+.3f} s at the "
+                f"beginning and {drift[1]:+.3f} s at the end; put the sensors on one clock",
+                size=size, unit="s", repair=partial(_redrifted, sensor=name, lags_s=drift),
+            )  # fmt: skip
+            continue
         yield fault_of(
             w.recording, "lag", name, whole,
             f"{way} {abs(lag_s):.3f} ± {spread:.3f} s against {behind}; put the sensors on one "
             "clock", size=abs(lag_s), unit="s", repair=partial(shifted, sensor=name, lag_s=lag_s),
         )  # fmt: skip
+
+
+def _drift_of(w: Witnesses, name: str, names: Sequence[str]) -> tuple[float, float] | None:
+    """Lags of a sensor at both ends, if it drifts against two others that do not drift."""
+    others = [one for one in names if one != name]
+    found = [drift_between(w, name, other) for other in others]
+    if len(others) < 2 or None in found or drift_between(w, *others) is not None:
+        return None
+    return found[0]
+
+
+def drift_between(w: Witnesses, name: str, other: str) -> tuple[float, float] | None:
+    """Lags of a sensor at the beginning and the end, where those of both halves surely differ.
+
+    Parameters
+    ----------
+    w : Witnesses
+    name, other : sensors
+
+    Returns
+    -------
+    two floats, s, of the first sensor after the other; None if the lag does not surely change, or
+    the drive is too short to tell
+    """
+    if len(w.recording) < 2 * FEWEST_PIECES * PIECE_S * w.rate_hz:
+        return None
+    halves = [
+        lag_between(first, second, w.rate_hz)
+        for first, second in zip(
+            np.array_split(w.yaw[other], 2), np.array_split(w.yaw[name], 2), strict=True
+        )
+    ]
+    early, late = halves
+    if early is None or late is None or min(early.correlation, late.correlation) < GO_TOGETHER:
+        return None
+    grows, sd = late.lag_s - early.lag_s, float(np.hypot(early.sd_s, late.sd_s))
+    if abs(grows) <= max(LEAST_LAG_SAMPLES / w.rate_hz, SURE * float(np.hypot(sd, LEAST_LAG_SD_S))):
+        return None
+    return early.lag_s - grows / 2, late.lag_s + grows / 2
+
+
+def _redrifted(recording: Recording, sensor: str, lags_s: tuple[float, float]) -> Recording:
+    """Recording in which a sensor is read at times that run from one lag to another."""
+    count, time_s = len(recording), recording.time_s
+    at = time_s + np.linspace(*lags_s, count)
+    for half in ("acc", "gyr"):
+        values = half_of(recording, sensor, half)
+        moved = np.column_stack([np.interp(at, time_s, axis) for axis in values.T])
+        recording = with_half(recording, sensor, half, moved)
+    return recording
 
 
 def _times_after(
@@ -300,7 +371,7 @@ def wrong_scales(w: Witnesses) -> Iterator[Fault]:
         error, sd = fit.scale(w.offset_sd(name, w.mount.rotation_imu_to_wheel(side)[2]))
         if abs(error) > max(LEAST_SCALE, SURE * sd):
             wrong[name] = error, sd
-    if _alike(wrong):
+    if _alike(wrong) and not _frame_speaks_against_clock(w, wrong):
         yield _other_clock(w.recording, wrong)
         return
     for name, (error, sd) in wrong.items():
@@ -322,6 +393,20 @@ def _alike(wrong: dict[str, tuple[float, float]]) -> bool:
     (left, left_sd), (right, right_sd) = wrong.values()
     apart = max(CLOCK_SDS * float(np.hypot(left_sd, right_sd)), LEAST_SCALE)
     return abs(left - right) < apart and min(abs(left), abs(right)) > LEAST_CLOCK
+
+
+def _frame_speaks_against_clock(w: Witnesses, wrong: Mapping[str, tuple[float, float]]) -> bool:
+    """Whether the frame's gyroscope fits the wheels' only once their scale is mended.
+
+    Another clock leaves all gyroscopes alike: the frame then fits the wheels as they read.
+    """
+    if w.by_gravity is None or "frame" not in w.yaw:
+        return False
+    gain = gain_of(w.by_gravity, w.yaw["frame"], w.rate_hz)
+    if gain is None or gain.correlation < GO_TOGETHER:
+        return False
+    error = float(np.mean([one[0] for one in wrong.values()]))
+    return abs(gain.gain * (1 + error) - 1) < abs(gain.gain - 1)
 
 
 def _other_clock(recording: Recording, wrong: dict[str, tuple[float, float]]) -> Fault:
@@ -413,6 +498,8 @@ def _apart(w: Witnesses) -> tuple[float, float] | None:
         misfit = np.abs(target - design @ found)
         used = misfit <= max(4 * 1.48 * float(np.median(misfit)), 0.01)
     piece = pieces_of(len(target), PIECE_S, w.rate_hz)
+    if len(np.unique(piece[used])) < FEWEST_PIECES:
+        return None
     found, covariance = fit_by_pieces(design[used], target[used], piece[used])
     return float(found[2]), float(np.sqrt(covariance[2, 2]))
 

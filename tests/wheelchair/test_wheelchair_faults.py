@@ -128,6 +128,25 @@ def test_where_two_fail_nothing_is_known():
     assert found.valid[:1990].all() and found.to_frame()["valid"].iloc[2200] == 0
 
 
+@pytest.mark.parametrize("reading", [0.0, 0.01, "first"])
+def test_gyroscopes_that_are_all_dead_are_told(reading):
+    """None of them can contradict another; with the accelerometers frozen too, they are told."""
+    sensors = {}
+    for name, imu in drive().trial.sensors.items():
+        acc, gyr = np.array(imu.acc_mps2), np.array(imu.gyr_radps)
+        if reading == "first":
+            acc[:], gyr[:] = acc[0], gyr[0]
+        else:
+            gyr[:] = reading
+        sensors[name] = Imu(acc, gyr)
+    dead = Recording(drive().trial.time_s, sensors, source="dead")
+    told = of_code(look(dead), "frozen")
+    assert {fault.sensor.removesuffix("_gyr") for fault in told} == set(SENSORS)
+    cal = calibration()
+    found = estimate_velocity(dead, drive().court.geometry, cal.mount, offsets=cal.offsets)
+    assert not found.valid.any() and np.isinf(found.linear_velocity_sd_mps).all()
+
+
 def test_a_short_repetition_is_too_long_for_chance():
     rng = np.random.default_rng(5)
     noise = (rng.normal(0, 0.002, (6000, 3)) / 0.001).round() * 0.001

@@ -1,0 +1,78 @@
+"""Offsets that a chair's rests show and a constant does not undo."""
+
+import numpy as np
+import pytest
+from faulty import SENSORS, calibration, drive, look, of_code
+
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.simulation import faults as inject
+from mobility_imu.wheelchair import estimate_velocity
+from mobility_imu.wheelchair.faults import with_valid
+
+
+def changed(sensor, series_degps):
+    """Drive whose gyroscope reads more along its main axis, by a series."""
+    trial = drive().trial
+    axis = drive().court.mounting[sensor].rotation_body_to_imu[:, 2]
+    sensors = dict(trial.sensors)
+    gyr = sensors[sensor].gyr_radps + np.deg2rad(series_degps)[:, None] * axis
+    sensors[sensor] = Imu(sensors[sensor].acc_mps2, gyr)
+    return Recording(trial.time_s, sensors, source="changed")
+
+
+def stepped(sensor, size_degps, part):
+    count = len(drive().trial)
+    return changed(sensor, size_degps * (np.arange(count) > part * count)), part * count
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+@pytest.mark.parametrize("size", [3.0, 10.0])
+@pytest.mark.parametrize("part", [0.3, 0.6])
+def test_a_step_of_an_offset_is_told_with_its_time(sensor, size, part):
+    faulty, sample = stepped(sensor, size, part)
+    (found,) = look(faulty)
+    assert (found.code, found.sensor) == ("offset", f"{sensor}_gyr")
+    assert found.size == pytest.approx(size, abs=0.4)
+    about = float(found.sentence.partition("at about ")[2].partition(" s")[0])
+    assert about == pytest.approx(faulty.time_s[int(sample)], abs=3.0)  # a wheel slips in between
+    assert found.costs and found.repair is not None
+    assert look(found.repair(faulty)) == ()
+
+
+def test_samples_under_another_offset_are_not_valid():
+    """Where the constant that is taken off is right, they are; elsewhere the yaw rate is off."""
+    faulty, _ = stepped("frame", 3.0, 0.6)
+    cal, chair = calibration(), drive().court.geometry
+    result = estimate_velocity(faulty, chair, cal.mount, offsets=cal.offsets)
+    clean = estimate_velocity(drive().trial, chair, cal.mount, offsets=cal.offsets)
+    valid = with_valid(result, look(faulty)).valid
+    off = np.abs(result.yaw_rate_radps - clean.yaw_rate_radps)
+    assert off[valid].max() < np.deg2rad(0.5) < np.deg2rad(2.0) < off[~valid].max()
+    assert 0.2 < valid.mean() < 0.8
+
+
+def test_a_drift_is_told_as_one():
+    count = len(drive().trial)
+    (found,) = look(changed("frame", np.linspace(0, 4.0, count)))
+    assert found.code == "offset" and "drifts by" in found.sentence
+    assert found.size == pytest.approx(4.0, abs=0.6)
+    assert found.flags.any() and not found.flags.all()
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+@pytest.mark.parametrize("size", [20.0, 50.0])
+def test_a_large_offset_is_told_as_one(sensor, size):
+    """No sound sensor has it: it is not taken off, and was told as a scale or a turned sensor."""
+    up = drive().court.mounting[sensor].rotation_body_to_imu[:, 2]
+    faulty = inject.offset(drive().trial, sensor, "gyr", np.deg2rad(size) * up)
+    (found,) = look(faulty)
+    assert (found.code, found.sensor) == ("offset", f"{sensor}_gyr")
+    assert found.size == pytest.approx(size, abs=0.5) and "while the chair stands" in found.sentence
+    assert {cost.name for cost in found.costs if cost.largest > 0} >= {
+        "turn" if sensor == "frame" else "distance"
+    }
+
+
+def test_a_small_change_and_a_constant_are_no_fault():
+    assert look(stepped("frame", 0.3, 0.5)[0]) == ()
+    assert not of_code(look(changed("left_wheel", np.full(len(drive().trial), 3.0))), "offset")
