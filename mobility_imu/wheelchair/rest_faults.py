@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from mobility_imu.faults import Fault, with_half, without_offset
-from mobility_imu.frames import LARGEST_OFFSET_RADPS, FloatArray
+from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.offsets import LARGE_OFFSET_RADPS, LARGE_SD_RADPS, common_rest, rest_blocks
+from mobility_imu.quality import LARGEST_OFFSET_RADPS
 from mobility_imu.recording import Recording
 from mobility_imu.wheelchair.contradictions import Witnesses
 from mobility_imu.wheelchair.recovery import tied_rate
