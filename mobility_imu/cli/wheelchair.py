@@ -276,7 +276,11 @@ def tasks(
     contents = {output: csv_bytes(table, output)}
     if events is not None:
         rows = task_events(
-            found.time_s, found.codes, found.linear_velocity_mps, found.yaw_rate_radps
+            found.time_s,
+            found.codes,
+            found.linear_velocity_mps,
+            found.yaw_rate_radps,
+            valid=found.valid,
         )
         contents[events] = csv_bytes(rows, events)
     if figure is not None:
@@ -338,7 +342,13 @@ def _chronogram(found: Tasks, path: Path) -> bytes:
 
     from mobility_imu.plots.wheelchair import chronogram
 
-    drawing = chronogram(found.time_s, found.codes, found.linear_velocity_mps, found.yaw_rate_radps)
+    drawing = chronogram(
+        found.time_s,
+        found.codes,
+        found.linear_velocity_mps,
+        found.yaw_rate_radps,
+        valid=found.valid,
+    )
     try:
         return figure_bytes(drawing, path)
     finally:

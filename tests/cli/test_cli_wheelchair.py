@@ -34,7 +34,9 @@ def test_from_raw_trial_to_chronogram(tmp_path, works):
         "yaw_rate_degps",
         "task_code",
         "task",
+        "valid",
     ]
+    assert tasks["valid"].eq(1).all()
     assert set(tasks["task_code"]) == {1, 2, 3, 4, 5, 6}
     assert tasks.groupby("task_code")["task"].nunique().eq(1).all()
     assert (tmp_path / "chronogram.png").read_bytes().startswith(b"\x89PNG")
@@ -60,6 +62,26 @@ def test_check_events_and_filters(tmp_path, works, fails):
     assert set(tasks["direction"].dropna()) == {"left", "right"}
     even = ["--filter", "moving-average", "--filter-window", 8]
     fails(*velocity(), *even, says=["8", "odd"])
+
+
+def test_no_task_is_named_where_the_velocities_are_not_valid(tmp_path, works):
+    table = velocity_csv(tmp_path / "v.csv")
+    table["linear_velocity_sd_mps"] = np.where(table["time_s"].between(2, 2.5), np.inf, 0.01)
+    table["valid"] = (~table["time_s"].between(4, 5)).astype(int)
+    table.to_csv(tmp_path / "v.csv", index=False)
+    result = works("wheelchair", "tasks", "v.csv", "-o", "t.csv", "--events", "e.csv",
+                   "--figure", "f.png")  # fmt: skip
+    assert "not valid for 1.5 of 6.0 s (2.00 to 2.50 s, 4.00 to 5.00 s)" in result.stderr
+    tasks, events = pd.read_csv(tmp_path / "t.csv"), pd.read_csv(tmp_path / "e.csv")
+    # A vote reaches nearly a segment of 0.25 s to both sides.
+    reached = table["time_s"].between(1.755, 2.745) | table["time_s"].between(3.755, 5.245)
+    assert (tasks["valid"] == ~reached).all()
+    for event in events.itertuples():
+        inside = (tasks["time_s"] >= event.onset_s) & (tasks["time_s"] < event.end_s - 0.001)
+        assert event.valid == tasks["valid"][inside].min()
+    assert set(events["valid"]) == {0, 1}
+    without = works("wheelchair", "tasks", "v.csv", "-o", "t.csv", "--quiet").stderr
+    assert "not valid" in without
 
 
 SETTINGS = {
