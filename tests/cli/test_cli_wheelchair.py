@@ -84,6 +84,17 @@ def test_no_task_is_named_where_the_velocities_are_not_valid(tmp_path, works):
     assert "not valid" in without
 
 
+def test_a_fault_that_was_found_is_named_where_the_estimate_refuses(tmp_path, fails):
+    """The estimate sees no more than that the wheels turn against the frame."""
+    trial = pd.read_csv(COURT / "court.csv.gz")
+    trial[[f"frame_gyr_{axis}_radps" for axis in "xyz"]] *= -1
+    trial.to_csv(tmp_path / "trial.csv", index=False)
+    line = fails(*velocity(tmp_path / "trial.csv"), says=["swapped, or the frame's sensor"])
+    assert line.index("frame_gyr turns the other way than both wheels' sensors") < line.index(
+        "the estimate refuses"
+    )
+
+
 SETTINGS = {
     "freqAcq": 100,
     "inptSegmentsec": 0.5,
