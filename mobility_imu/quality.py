@@ -276,7 +276,10 @@ def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
     if not len(values):
         return cut
     size = np.abs(values)
-    at_limit = (size == size.max(axis=0)) & (size > 1.2 * np.median(size, axis=0))
+    at_end = size == size.max(axis=0)
+    # Of an axis that is cut for half of the time, the median itself is the limit.
+    above = (size > 1.2 * np.median(size, axis=0)) | pinned_axes(values)
+    at_limit = at_end & above
     at_limit = np.column_stack([long_runs(axis, run, grow=False) for axis in at_limit.T])
     if not at_limit.any():
         return cut
@@ -294,6 +297,37 @@ def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
             ):
                 cut[plateau] = True
     return cut
+
+
+OFTEN_AT_END = 0.05
+"""Part of the samples that only a cut range leaves exactly at an axis' largest value."""
+VARIED_VALUES = 20
+"""... if the axis takes more values than this."""
+
+
+def pinned_axes(values: ArrayLike) -> NDArray[np.bool_]:
+    """Axes that read exactly their largest size for much of a recording.
+
+    Parameters
+    ----------
+    values : (n, k) array
+
+    Returns
+    -------
+    (k,) bool array
+
+    Raises
+    ------
+    InputError
+        If the readings are no series of one or more axes.
+    """
+    values = _readings(values)
+    if not len(values):
+        return np.zeros(values.shape[1], np.bool_)
+    size = np.abs(values)
+    often = (size == size.max(axis=0)).mean(axis=0) > OFTEN_AT_END
+    varied = np.array([len(np.unique(axis)) > VARIED_VALUES for axis in values.T])
+    return np.asarray(often & varied & (size.max(axis=0) > 0))
 
 
 def _smallest_steps(axis: FloatArray) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect, settings_or_default
-from mobility_imu.faults import Fault, all_repaired, interpolated, with_costs
+from mobility_imu.faults import Fault, all_repaired, interpolated, one_sided, with_costs
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine, fault_of
 from mobility_imu.offsets import GyroscopeOffset
@@ -101,7 +101,8 @@ def find_faults(
     tuple of Fault
         empty if nothing was found; costs are of ``speed`` (m/s), ``yaw rate`` (deg/s), ``distance``
         (m, signed, from the start) and ``turn`` (deg, likewise). What a gyroscope costs that the
-        others replace throughout is not known: the estimate replaces it as the repair does.
+        others replace throughout is not known: the estimate replaces it as the repair does. Nor
+        is what one costs that repeats its first reading, or its last one to the end.
 
     Raises
     ------
@@ -115,7 +116,7 @@ def find_faults(
         return results(one, geometry, mount, settings, offsets)
 
     one = _own(recording, geometry, mount, settings)
-    known = [replace(f, repair=None) if _is_replaced(one, f) else f for f in found]
+    known = [replace(f, repair=None) if _is_unpriced(one, f) else f for f in found]
     return tuple(
         _without_trifles(replace(priced, repair=fault.repair))
         for priced, fault in zip(with_costs(known, recording, estimate), found, strict=True)
@@ -255,6 +256,12 @@ def _own(
     works = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
     lost = unreplaced(failed, works) if settings.form == "corrected" else failed
     return _Own(recording, geometry, mount, failed, lost)
+
+
+def _is_unpriced(one: _Own, fault: Fault) -> bool:
+    """Whether no repair but the estimate's own is known, or none at all."""
+    gyroscope = not fault.sensor.endswith("_acc")
+    return _is_replaced(one, fault) or (gyroscope and one_sided(fault))
 
 
 def _is_replaced(one: _Own, fault: Fault) -> bool:
