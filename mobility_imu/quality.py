@@ -172,8 +172,9 @@ def frozen_samples(
     """Where a sensor repeats itself on all axes, and neither rest nor resolution explains it.
 
     All axes have to repeat for :data:`SHORTEST_FROZEN_S` or longer. A sensor whose noise changes
-    the last digit is then frozen. One with coarse steps (:class:`Resolution`) may be at rest;
-    it is frozen if other sensors felt a motion that it had to feel.
+    the last digit is then frozen. One with coarse steps (:class:`Resolution`) may be at rest, and
+    so may one that comes back to the same reading; it is frozen if other sensors felt a motion
+    that it had to feel.
 
     Parameters
     ----------
@@ -206,11 +207,15 @@ def frozen_samples(
     if not repeated.any():
         return repeated
     resolution = resolution_of(values, skip=repeated)
+    parts = _repetitions(values, repeated)
+    # Where it moves whenever it does not repeat, its steps are seen by what it comes back to.
+    rests = parts if resolution.all_coarse else _taken_again(values, parts) if expected else []
+    frozen = repeated.copy()
+    step = resolution.step.max()
     if not resolution.all_coarse:
-        return repeated
-    frozen = np.zeros_like(repeated)
-    for run in _repetitions(values, repeated):
-        least = max(FELT_STEPS * resolution.step.max(), FELT_FRACTION * _length(values[run.start]))
+        step = min(step, max(_smallest_steps(axis) for axis in values.T))
+    for run in rests:
+        least = max(FELT_STEPS * step, FELT_FRACTION * _length(values[run.start]))
         frozen[run] = any(np.ptp(one[run], axis=0).max() > least for one in expected)
     return frozen
 
@@ -358,6 +363,18 @@ def _repetitions(values: FloatArray, repeated: NDArray[np.bool_]) -> list[slice]
         edges = [run.start, *(run.start + starts).tolist(), run.stop]
         parts += [slice(a, b) for a, b in pairwise(edges)]
     return parts
+
+
+def _taken_again(values: FloatArray, parts: Sequence[slice]) -> list[slice]:
+    """Repetitions of a reading that the sensor left and came back to, exactly, on all axes.
+
+    A sensor that freezes twice does so at two readings; one that writes zeros instead is no rest.
+    """
+    found: dict[bytes, list[slice]] = {}
+    for part in parts:
+        if values[part.start].any():
+            found.setdefault(values[part.start].tobytes(), []).append(part)
+    return [part for same in found.values() if len(same) > 1 for part in same]
 
 
 def _length(reading: FloatArray) -> float:
