@@ -236,11 +236,16 @@ def check_text(found: GeometryCheck, told: Collection[str] = ()) -> str:
     ]
     if found.judged:
         camber, camber_sd = np.rad2deg([found.camber_rad, found.camber_sd_rad])
+        ways = (("left", found.yaw_gain_left), ("right", found.yaw_gain_right))
         lines += [
-            f"wheels' yaw rate over the frame's, left turns   {found.yaw_gain_left:.3f}",
-            f"wheels' yaw rate over the frame's, right turns  {found.yaw_gain_right:.3f}",
+            f"wheels' yaw rate over the frame's, {f'{way} turns':<12} "
+            + ("too few of them" if np.isnan(gain) else f"{gain:.3f}")
+            for way, gain in ways
+        ]
+        lines += [
             f"track that fits the turns   {found.track_m:.4f} ± {found.track_sd_m:.4f} m",
-            f"right over left radius      {found.radius_ratio:.4f} ± {found.radius_ratio_sd:.4f}",
+            f"right over left radius      {found.radius_ratio:.4f} ± {found.radius_ratio_sd:.4f} "
+            "times what is given",
             f"camber from the axles       {camber:.1f} ± {camber_sd:.1f} deg",
         ]
     if found.fits:

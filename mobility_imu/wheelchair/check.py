@@ -42,6 +42,7 @@ from mobility_imu.wheelchair.saturation import (
     saturation_warnings,
     usable_samples,
 )
+from mobility_imu.wheelchair.series import as_offsets
 
 __all__ = ["GeometryCheck", "check_geometry"]
 
@@ -204,7 +205,7 @@ def check_geometry(
         as_number(gyr_axis_sd_rad, "gyr_axis_sd_rad", zero=True),
     )
     names = ("frame", *(f"{side}_wheel" for side in SIDES))
-    merged = merge_offsets(rest_offsets(recording, names), dict(offsets or {}))
+    merged = merge_offsets(rest_offsets(recording, names), as_offsets(offsets))
     found = {name: merged[name] for name in names if name in merged}
     saturated = saturated_gyroscopes(recording, names)
     warnings = (
@@ -351,12 +352,7 @@ def _verdict(
     fitted = _distances(parts, geometry, mount, offsets, turning)
     distance, distance_sd, mismatch, mismatch_sd, told_sd = fitted
     if told_sd > TRACK_TOLERANCE_M and distance > 3 * distance_sd:
-        return {
-            "warnings": (
-                "turns too little to judge the geometry: wheels and frame agree so badly that the "
-                f"track could be told to {told_sd:.3f} m only, expected {TRACK_TOLERANCE_M} m",
-            )
-        }
+        return {"warnings": (_scattered(agreement["turned_rad"], told_sd),)}
     gains = [
         float((parts.apart - mismatch * parts.speed)[way] @ parts.yaw[way])
         / float(parts.yaw[way] @ parts.yaw[way])
@@ -391,6 +387,14 @@ def _verdict(
         "camber_sd_rad": camber_sd,
         "warnings": tuple(sentences),
     }
+
+
+def _scattered(turned_rad: float, told_sd_m: float) -> str:
+    return (
+        f"wheels and frame disagree too much to judge the geometry: in {np.rad2deg(turned_rad):.0f} "
+        f"deg of turns, the track could be told to {told_sd_m:.3f} m only, expected "
+        f"{TRACK_TOLERANCE_M} m; look for slip, and for a sensor that is loose or late"
+    )
 
 
 def _distances(

@@ -37,6 +37,7 @@ from mobility_imu.wheelchair.recovery import (
     with_gyroscope,
 )
 from mobility_imu.wheelchair.saturation import saturated_gyroscopes, saturation_warnings
+from mobility_imu.wheelchair.series import as_offsets
 from mobility_imu.wheelchair.slip import at_odds
 from mobility_imu.wheelchair.velocity import ChairVelocity, VelocitySettings, estimate_velocity
 
@@ -173,6 +174,7 @@ def sensor_faults(
     expect("geometry", geometry, WheelchairGeometry)
     expect("mount", mount, WheelchairMount)
     settings = settings_or_default("settings", settings, VelocitySettings)
+    given = as_offsets(offsets)
     if recording.sampling_rate_hz < SLOWEST_HZ:
         copies = (fault for fault in examine(recording) if fault.code == "copy")
         return (*copies, _slow_clock(recording))
@@ -181,7 +183,7 @@ def sensor_faults(
         return tuple(found)
     if recording.time_s[-1] - recording.time_s[0] < SHORTEST_S:
         return tuple(found)
-    witnesses = _witnesses(recording, found, geometry, mount, settings, dict(offsets or {}))
+    witnesses = _witnesses(recording, found, geometry, mount, settings, given)
     if not witnesses.sides or "frame" not in witnesses.names:
         return tuple(found)
     looked: list[Fault] = []
