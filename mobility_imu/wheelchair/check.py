@@ -391,9 +391,9 @@ def _verdict(
 
 def _scattered(turned_rad: float, told_sd_m: float) -> str:
     return (
-        f"wheels and frame disagree too much to judge the geometry: in {np.rad2deg(turned_rad):.0f} "
-        f"deg of turns, the track could be told to {told_sd_m:.3f} m only, expected "
-        f"{TRACK_TOLERANCE_M} m; look for slip, and for a sensor that is loose or late"
+        "wheels and frame disagree too much to judge the geometry: in "
+        f"{np.rad2deg(turned_rad):.0f} deg of turns, the track could be told to {told_sd_m:.3f} m "
+        f"only, expected {TRACK_TOLERANCE_M} m; look for slip, and for a loose or late sensor"
     )
 
 

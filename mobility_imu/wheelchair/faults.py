@@ -224,8 +224,9 @@ def _slow_clock(recording: Recording) -> Fault:
     rate = recording.sampling_rate_hz
     return fault_of(
         recording, "clock", "time_s", whole,
-        f"gives a sampling rate of {rate:g} Hz, at which no wheel's turning is seen; give the "
-        "times in seconds, or state --sampling-rate-hz", size=rate, unit="Hz",
+        f"gives a sampling rate of {rate:g} Hz, at which no wheel's turning is seen; "
+        "correct the file's times, which are in seconds (--sampling-rate-hz is for files without "
+        "times)", size=rate, unit="Hz",
     )  # fmt: skip
 
 

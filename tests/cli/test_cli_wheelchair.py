@@ -84,6 +84,25 @@ def test_no_task_is_named_where_the_velocities_are_not_valid(tmp_path, works):
     assert "not valid" in without
 
 
+def test_lags_of_clocks_are_not_in_the_standard_deviations(tmp_path, works):
+    """The numbers of the page on how to use the book, of three courts."""
+    speeds, yaws = [], []
+    for seed in (1, 2, 3):
+        folder = tmp_path / f"court{seed}"
+        works("simulate", "wheelchair", "--seed", seed, "--level", "real", "-o", folder)
+        files = {"static": folder / "static.csv.gz", "straight": folder / "straight.csv.gz"}
+        trial = folder / "court.csv.gz"
+        works(*velocity(trial, geometry=folder / "geometry.toml", **files))
+        found, truth = pd.read_csv("v.csv"), pd.read_csv(folder / "truth.csv.gz")
+        for name, sd, into in (
+            ("linear_velocity_mps", "linear_velocity_sd_mps", speeds),
+            ("yaw_rate_degps", "yaw_rate_sd_degps", yaws),
+        ):
+            into.append(((found[name] - truth[name]).abs() < 2 * found[sd]).mean())
+    assert (round(100 * min(yaws)), round(100 * max(yaws))) == (62, 66)
+    assert (round(100 * min(speeds)), round(100 * max(speeds))) == (80, 93)
+
+
 def test_a_fault_that_was_found_is_named_where_the_estimate_refuses(tmp_path, fails):
     """The estimate sees no more than that the wheels turn against the frame."""
     trial = pd.read_csv(COURT / "court.csv.gz")
