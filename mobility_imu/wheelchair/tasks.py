@@ -251,7 +251,7 @@ def identify_tasks(
     ----------
     drive : ChairVelocity of :func:`~mobility_imu.wheelchair.velocity.estimate_velocity`, or a
         series of :func:`~mobility_imu.readers.velocities.read_velocities`; where its ``valid`` is
-        False, tasks are named from velocities that nobody knows, and are not valid either
+        False the velocities are not known, and the tasks found from them are not valid either
     settings : TaskSettings; the document's defaults if None
     edge : as for :func:`task_codes`
 
