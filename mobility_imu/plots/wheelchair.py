@@ -108,7 +108,6 @@ def chronogram(
                     time[run.start], time[run.stop - 1], zorder=3, hatch="xx",
                     facecolor="white", edgecolor=COLOURS["grey"], alpha=0.85, linewidth=0,
                 )  # fmt: skip
-            bands.set_xlabel("crossed out: not known")
         share = bands.secondary_yaxis("right")
         share.set_yticks(
             list(Task), [f"{100 * ((task == code) & known).mean():.0f} %" for code in Task]
@@ -117,6 +116,8 @@ def chronogram(
         share.set_ylabel("share of time")
         share.spines["right"].set_visible(False)
         _clock_axis(bands, duration)
+        if not known.all():
+            bands.set_xlabel(f"{bands.get_xlabel()} (crossed out: not known)")
         figure.align_ylabels(panels)
     return figure
 

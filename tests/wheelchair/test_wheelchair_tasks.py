@@ -460,4 +460,5 @@ def test_tasks_of_a_drive_are_valid_where_its_velocities_are():
     shares = next(axes.child_axes for axes in figure.axes if axes.child_axes)[0]
     labels = [text.get_text() for text in shares.get_yticklabels()]
     assert sum(int(text.split()[0]) for text in labels) == pytest.approx(75, abs=2)
+    assert "crossed out: not known" in figure.axes[-1].get_xlabel()
     plt.close(figure)
