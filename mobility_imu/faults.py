@@ -133,6 +133,22 @@ def with_costs(
     )
 
 
+def one_sided(fault: Fault) -> bool:
+    """Whether a frozen sensor has no reading before or after the loss.
+
+    A line between neighbours then repeats the one reading that is left, which is the fault itself.
+
+    Parameters
+    ----------
+    fault : Fault
+
+    Returns
+    -------
+    bool
+    """
+    return fault.code == "frozen" and bool(fault.flags[0] or fault.flags[-1])
+
+
 def _priced(
     fault: Fault,
     recording: Recording,

@@ -19,6 +19,7 @@ from mobility_imu.faults import Fault, Repair, interpolated, multiplied, widened
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.quality import (
     frozen_samples,
+    pinned_axes,
     same_as_before,
     saturated_samples,
     turned_gravity,
@@ -39,8 +40,6 @@ SPIKE_TIMES = 20.0
 """... and by so many times the usual change from sample to sample."""
 SHORTEST_AT_END_S = 0.05
 """Fewer equal readings at the largest size come by chance, where readings are doubled."""
-OFTEN_AT_END = 0.05
-"""Part of the samples that only a cut range leaves exactly at an axis' largest value."""
 SMOOTHED_S = 0.1
 """Accelerations are averaged over this before their changes are looked at."""
 SPANS_S = (0.05, 0.3)
@@ -247,10 +246,7 @@ def single_spikes(values: FloatArray, least: float) -> NDArray[np.bool_]:
 def _pinned(values: FloatArray) -> NDArray[np.bool_]:
     """Where an axis says exactly its largest size, if it does so for much of the recording."""
     size = np.abs(values)
-    at_end = (size == size.max(axis=0)) & (size > 0)
-    often = at_end.mean(axis=0) > OFTEN_AT_END
-    varied = np.array([len(np.unique(axis)) > FEWEST_VALUES for axis in values.T])
-    return np.asarray((at_end & (often & varied)).any(axis=1))
+    return np.asarray(((size == size.max(axis=0)) & pinned_axes(values)).any(axis=1))
 
 
 def _reversed(recording: Recording, name: str, acc: FloatArray, gyr: FloatArray) -> Iterator[Fault]:

@@ -173,8 +173,9 @@ def frozen_samples(
     """Where a sensor repeats itself on all axes, and neither rest nor resolution explains it.
 
     All axes have to repeat for :data:`SHORTEST_FROZEN_S` or longer. A sensor whose noise changes
-    the last digit is then frozen. One with coarse steps (:class:`Resolution`) may be at rest;
-    it is frozen if other sensors felt a motion that it had to feel.
+    the last digit is then frozen. One with coarse steps (:class:`Resolution`) may be at rest, and
+    so may one that comes back to the same reading; it is frozen if other sensors felt a motion
+    that it had to feel.
 
     Parameters
     ----------
@@ -207,11 +208,15 @@ def frozen_samples(
     if not repeated.any():
         return repeated
     resolution = resolution_of(values, skip=repeated)
+    parts = _repetitions(values, repeated)
+    # Where it moves whenever it does not repeat, its steps are seen by what it comes back to.
+    rests = parts if resolution.all_coarse else _taken_again(values, parts) if expected else []
+    frozen = repeated.copy()
+    step = resolution.step.max()
     if not resolution.all_coarse:
-        return repeated
-    frozen = np.zeros_like(repeated)
-    for run in _repetitions(values, repeated):
-        least = max(FELT_STEPS * resolution.step.max(), FELT_FRACTION * _length(values[run.start]))
+        step = min(step, max(_smallest_steps(axis) for axis in values.T))
+    for run in rests:
+        least = max(FELT_STEPS * step, FELT_FRACTION * _length(values[run.start]))
         frozen[run] = any(np.ptp(one[run], axis=0).max() > least for one in expected)
     return frozen
 
@@ -277,7 +282,10 @@ def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
     if not len(values):
         return cut
     size = np.abs(values)
-    at_limit = (size == size.max(axis=0)) & (size > 1.2 * np.median(size, axis=0))
+    at_end = size == size.max(axis=0)
+    # Of an axis that is cut for half of the time, the median itself is the limit.
+    above = (size > 1.2 * np.median(size, axis=0)) | pinned_axes(values)
+    at_limit = at_end & above
     at_limit = np.column_stack([long_runs(axis, run, grow=False) for axis in at_limit.T])
     if not at_limit.any():
         return cut
@@ -295,6 +303,37 @@ def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
             ):
                 cut[plateau] = True
     return cut
+
+
+OFTEN_AT_END = 0.05
+"""Part of the samples that only a cut range leaves exactly at an axis' largest value."""
+VARIED_VALUES = 20
+"""... if the axis takes more values than this."""
+
+
+def pinned_axes(values: ArrayLike) -> NDArray[np.bool_]:
+    """Axes that read exactly their largest size for much of a recording.
+
+    Parameters
+    ----------
+    values : (n, k) array
+
+    Returns
+    -------
+    (k,) bool array
+
+    Raises
+    ------
+    InputError
+        If the readings are no series of one or more axes.
+    """
+    values = _readings(values)
+    if not len(values):
+        return np.zeros(values.shape[1], np.bool_)
+    size = np.abs(values)
+    often = (size == size.max(axis=0)).mean(axis=0) > OFTEN_AT_END
+    varied = np.array([len(np.unique(axis)) > VARIED_VALUES for axis in values.T])
+    return np.asarray(often & varied & (size.max(axis=0) > 0))
 
 
 def _smallest_steps(axis: FloatArray) -> float:
@@ -325,6 +364,18 @@ def _repetitions(values: FloatArray, repeated: NDArray[np.bool_]) -> list[slice]
         edges = [run.start, *(run.start + starts).tolist(), run.stop]
         parts += [slice(a, b) for a, b in pairwise(edges)]
     return parts
+
+
+def _taken_again(values: FloatArray, parts: Sequence[slice]) -> list[slice]:
+    """Repetitions of a reading that the sensor left and came back to, exactly, on all axes.
+
+    A sensor that freezes twice does so at two readings; one that writes zeros instead is no rest.
+    """
+    found: dict[bytes, list[slice]] = {}
+    for part in parts:
+        if values[part.start].any():
+            found.setdefault(values[part.start].tobytes(), []).append(part)
+    return [part for same in found.values() if len(same) > 1 for part in same]
 
 
 def _length(reading: FloatArray) -> float:

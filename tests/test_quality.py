@@ -142,6 +142,25 @@ def test_samples_that_are_held_do_not_pass_for_a_coarse_resolution():
     assert frozen_samples(held, 100)[2000:2100].all()
 
 
+@pytest.mark.parametrize("end", [0, 1])
+def test_a_coarse_sensor_that_is_shaken_whenever_it_does_not_rest(end):
+    """A straight trial: nothing but the rests at both ends shows how large the steps are."""
+    rng = np.random.default_rng(5)
+    acc = np.tile([-7.06, 5.2, 4.32], (700, 1)) + rng.normal(0, 0.015, (700, 3))
+    acc[100:600] += rng.normal(0, 1.0, (500, 3))
+    acc = np.round(acc / 0.0981) * 0.0981
+    still = np.zeros_like(acc)
+    assert not frozen_samples(acc, RATE_HZ, follows=[still]).any()
+    # Another sensor that felt it turn there tells of a rest that was none; zeros are no rest.
+    turned = still.copy()
+    turned[20:, 0], turned[640:, 1] = 4.0, 4.0
+    assert frozen_samples(acc, RATE_HZ, follows=[turned])[[50, 650]].all()
+    rest = slice(0, 90) if end == 0 else slice(610, 700)
+    lost = acc.copy()
+    lost[rest] = lost[300:340] = 0.0
+    assert frozen_samples(lost, RATE_HZ, follows=[still])[rest].all()
+
+
 def test_one_fine_axis_speaks_for_all():
     """A coarse accelerometer and a fine gyroscope in one table: only a dead table repeats."""
     _, acc = rests_and_moves(1, 0.02, 0.098, 2.0)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -79,3 +80,32 @@ def tell_faults(faults: Sequence[Fault], strict: bool) -> None:
     if strict and faults:
         raise InputError(faults[0].sentence)
     warn(fault.told for fault in faults)
+
+
+MOST_NAMED = 2
+"""Faults that an error names: it is one line."""
+
+
+@contextmanager
+def naming(faults: Sequence[Fault]) -> Iterator[None]:
+    """Name the faults that were found where the estimate refuses the recording.
+
+    The estimate sees only that the readings contradict each other, and guesses at a usual cause.
+
+    Parameters
+    ----------
+    faults : of the same recording
+
+    Raises
+    ------
+    InputError
+        Sentences of the faults, then that of the estimate.
+    """
+    try:
+        yield
+    except InputError as error:
+        if not faults:
+            raise
+        named = [fault.sentence for fault in faults[:MOST_NAMED]]
+        more = [f"{len(faults) - MOST_NAMED} more fault(s)"] if len(faults) > MOST_NAMED else []
+        raise InputError(f"{'; '.join([*named, *more])}; the estimate refuses: {error}") from error

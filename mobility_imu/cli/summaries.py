@@ -172,7 +172,7 @@ def check_lines(found: GeometryCheck) -> list[str]:
 
 
 def tasks_lines(found: Tasks) -> list[str]:
-    """Time in each task, the longest first.
+    """Time in each task where it is known, the longest first.
 
     Parameters
     ----------
@@ -185,11 +185,15 @@ def tasks_lines(found: Tasks) -> list[str]:
     from mobility_imu.wheelchair import Task
 
     step = float(np.median(np.diff(found.time_s))) if len(found) > 1 else 0.0
-    times = {task: step * int((found.codes == task).sum()) for task in Task}
+    assert found.valid is not None
+    times = {task: step * int(((found.codes == task) & found.valid).sum()) for task in Task}
     longest = sorted((task for task in Task if times[task]), key=lambda task: -times[task])
     parts = [f"{task.title} {times[task]:.1f} s" for task in longest[:4]]
     more = [f"{len(longest) - 4} more"] if len(longest) > 4 else []
-    return [f"{len(longest)} kinds of task: " + ", ".join([*parts, *more])]
+    lines = [f"{len(longest)} kinds of task: " + ", ".join([*parts, *more])]
+    if not found.valid.all():
+        lines.append(f"not known: {step * int((~found.valid).sum()):.1f} s")
+    return lines
 
 
 def walker_mount_lines(found: WalkerCalibration) -> list[str]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import read_input, tell_faults
+from mobility_imu.cli.inputs import naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
 from mobility_imu.errors import InputError, needs
@@ -19,11 +19,13 @@ if TYPE_CHECKING:
     from mobility_imu.readers.velocities import VelocitySeries
     from mobility_imu.recording import Recording
     from mobility_imu.wheelchair import (
+        ChairVelocity,
         GeometryCheck,
         Tasks,
         TaskSettings,
         VelocitySettings,
         WheelchairCalibration,
+        WheelchairGeometry,
     )
 
 Camber = Literal["sign-safe", "printed"]
@@ -81,19 +83,20 @@ def velocity(
     outputs = Outputs({"--output": output}, (*_files(trials), geometry))
     chair = WheelchairGeometry.from_toml(geometry)
     read = _read(trials, sampling_rate_hz, fill_gaps_s)
-    drive, still, line = (
-        smooth_recording(recording, smoothing, window=filter_window, order=filter_order)
-        for recording in read
-    )
+    of_filter = {"window": filter_window, "order": filter_order}
+    drive, still, line = (smooth_recording(recording, smoothing, **of_filter) for recording in read)
     calibration = _calibrated(drive, still, line, take_off_offsets=camber != "printed")
     settings = _settings(camber, slip_correction)
     # Smoothing hides what repeats itself: faults are looked for in what was recorded.
     faults = find_faults(read[0], chair, calibration.mount, settings, offsets=calibration.offsets)
     of_line = _faults_of_trial(read[2])
     tell_faults((*_faults_of_trial(read[1]), *of_line, *faults), strict)
-    found = estimate_velocity(
-        drive, chair, calibration.mount, settings, offsets=calibration.offsets
-    )
+    with naming(faults):
+        found = estimate_velocity(
+            drive, chair, calibration.mount, settings, offsets=calibration.offsets
+        )
+    if smoothing != "none":
+        found = _with_smoothing_sd(found, read, chair, settings, smoothing, of_filter)
     found = with_valid(found, faults)
     _warn_of_calibration(calibration, line, of_line)
     warn(not_told(found, drive, chair, calibration.mount, faults))
@@ -107,6 +110,23 @@ def _settings(camber: Camber, slip_correction: bool) -> VelocitySettings:
     if camber == "printed":
         return VelocitySettings(form="printed", slip_correction=slip_correction, slip_method="tool")
     return VelocitySettings(slip_correction=slip_correction)
+
+
+def _with_smoothing_sd(
+    smoothed: ChairVelocity,
+    read: Sequence[Recording],
+    chair: WheelchairGeometry,
+    settings: VelocitySettings,
+    method: Smoothing,
+    of_filter: Mapping[str, int],
+) -> ChairVelocity:
+    """Velocities whose standard deviations count how far they are from those without the filter."""
+    from mobility_imu.wheelchair import estimate_velocity, with_smoothing_sd
+
+    drive, still, line = read
+    own = _calibrated(drive, still, line, take_off_offsets=settings.form != "printed")
+    plain = estimate_velocity(drive, chair, own.mount, settings, offsets=own.offsets)
+    return with_smoothing_sd(smoothed, plain, chair, own.mount, method, **of_filter)
 
 
 def _calibrated(
@@ -179,13 +199,14 @@ def check(
     faults = find_faults(drive, chair, calibration.mount, offsets=calibration.offsets)
     of_line = _faults_of_trial(line)
     tell_faults((*_faults_of_trial(still), *of_line, *faults), strict)
-    found = check_geometry(
-        drive,
-        chair,
-        calibration.mount,
-        offsets=calibration.offsets,
-        gyr_scale_sd=gyroscope_scale_percent / 100,
-    )
+    with naming(faults):
+        found = check_geometry(
+            drive,
+            chair,
+            calibration.mount,
+            offsets=calibration.offsets,
+            gyr_scale_sd=gyroscope_scale_percent / 100,
+        )
     _warn_of_calibration(calibration, line, of_line)
     told = {fault.sentence for fault in faults} | ranges_told(drive, faults)
     typer.echo(check_text(found, told))
@@ -215,11 +236,16 @@ def check_text(found: GeometryCheck, told: Collection[str] = ()) -> str:
     ]
     if found.judged:
         camber, camber_sd = np.rad2deg([found.camber_rad, found.camber_sd_rad])
+        ways = (("left", found.yaw_gain_left), ("right", found.yaw_gain_right))
         lines += [
-            f"wheels' yaw rate over the frame's, left turns   {found.yaw_gain_left:.3f}",
-            f"wheels' yaw rate over the frame's, right turns  {found.yaw_gain_right:.3f}",
+            f"wheels' yaw rate over the frame's, {f'{way} turns':<12} "
+            + ("too few of them" if np.isnan(gain) else f"{gain:.3f}")
+            for way, gain in ways
+        ]
+        lines += [
             f"track that fits the turns   {found.track_m:.4f} ± {found.track_sd_m:.4f} m",
-            f"right over left radius      {found.radius_ratio:.4f} ± {found.radius_ratio_sd:.4f}",
+            f"right over left radius      {found.radius_ratio:.4f} ± {found.radius_ratio_sd:.4f} "
+            "times what is given",
             f"camber from the axles       {camber:.1f} ± {camber_sd:.1f} deg",
         ]
     if found.fits:
@@ -276,7 +302,11 @@ def tasks(
     contents = {output: csv_bytes(table, output)}
     if events is not None:
         rows = task_events(
-            found.time_s, found.codes, found.linear_velocity_mps, found.yaw_rate_radps
+            found.time_s,
+            found.codes,
+            found.linear_velocity_mps,
+            found.yaw_rate_radps,
+            valid=found.valid,
         )
         contents[events] = csv_bytes(rows, events)
     if figure is not None:
@@ -338,7 +368,13 @@ def _chronogram(found: Tasks, path: Path) -> bytes:
 
     from mobility_imu.plots.wheelchair import chronogram
 
-    drawing = chronogram(found.time_s, found.codes, found.linear_velocity_mps, found.yaw_rate_radps)
+    drawing = chronogram(
+        found.time_s,
+        found.codes,
+        found.linear_velocity_mps,
+        found.yaw_rate_radps,
+        valid=found.valid,
+    )
     try:
         return figure_bytes(drawing, path)
     finally:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mobility_imu.frames import FloatArray, as_clock, as_series
+from mobility_imu.frames import FloatArray, as_clock, as_flags, as_series
 from mobility_imu.plots.drawing import BODY, arc, arrow, box, dimension, label, line
 from mobility_imu.plots.style import COLOURS, HATCHES, use_style
-from mobility_imu.runs import changes_of
+from mobility_imu.runs import changes_of, runs_of
 from mobility_imu.wheelchair.codes import Codes, Task, as_codes
 from mobility_imu.wheelchair.geometry import (
     SAMPLE_CHAIR,
@@ -48,6 +48,8 @@ def chronogram(
     codes: ArrayLike,
     linear_velocity_mps: ArrayLike | None = None,
     yaw_rate_radps: ArrayLike | None = None,
+    *,
+    valid: ArrayLike | None = None,
 ) -> Figure:
     """Draw at which times each task was done: one band per task, and velocities above if given.
 
@@ -57,6 +59,7 @@ def chronogram(
     codes : (n,) array of task codes, 1 to 6
     linear_velocity_mps : (n,) array, m/s, forward positive
     yaw_rate_radps : (n,) array, rad/s, left positive; drawn in deg/s
+    valid : (n,) array of truth values, whether a frame's task is known; where not, all is covered
 
     Returns
     -------
@@ -96,12 +99,25 @@ def chronogram(
         duration = float(time[-1] - time[0])
         _draw_bands(bands, spans, duration)
         bands.set_xlim(time[0], time[-1])
+        known = np.ones(len(time), np.bool_)
+        if valid is not None:
+            known = as_flags(valid, "valid", length=len(time))
+        for run in runs_of(~known):
+            for ax in column[:, 0]:
+                ax.axvspan(
+                    time[run.start], time[run.stop - 1], zorder=3, hatch="xx",
+                    facecolor="white", edgecolor=COLOURS["grey"], alpha=0.85, linewidth=0,
+                )  # fmt: skip
         share = bands.secondary_yaxis("right")
-        share.set_yticks(list(Task), [f"{100 * (task == code).mean():.0f} %" for code in Task])
+        share.set_yticks(
+            list(Task), [f"{100 * ((task == code) & known).mean():.0f} %" for code in Task]
+        )
         share.tick_params(length=0)
         share.set_ylabel("share of time")
         share.spines["right"].set_visible(False)
         _clock_axis(bands, duration)
+        if not known.all():
+            bands.set_xlabel(f"{bands.get_xlabel()} (crossed out: not known)")
         figure.align_ylabels(panels)
     return figure
 

@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
@@ -60,12 +61,15 @@ class VelocitySeries(Result):
     linear_velocity_mps : (n,) array, m/s, forward positive
     yaw_rate_radps : (n,) array, rad/s, left positive
     sampling_rate_hz : Hz
+    valid : (n,) bool array, False where the file says that the velocities are not known; None if it
+        says nothing
     """
 
     time_s: FloatArray
     linear_velocity_mps: FloatArray
     yaw_rate_radps: FloatArray
     sampling_rate_hz: float
+    valid: NDArray[np.bool_] | None = None
 
 
 def read_velocities(
@@ -75,9 +79,10 @@ def read_velocities(
 
     The columns are found by ``lin`` and by ``ang`` or ``yaw`` in their names, so that headers in
     French, English and Spanish serve alike, and a time column by ``time``, ``temps``, ``tiempo``.
-    Columns with ``sd`` or ``std`` as a word in their names hold standard deviations and are left
-    aside. Their names state the units, as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that is not
-    stated is asked for. A time column is in s unless its name states another unit.
+    Columns with ``sd`` or ``std`` as a word in their names hold standard deviations: where one is
+    infinite, or a column ``valid`` is 0, the velocities are not valid. The names state the units,
+    as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that is not stated is asked for. A time column is
+    in s unless its name states another unit.
 
     Parameters
     ----------
@@ -121,7 +126,19 @@ def read_velocities(
         _in_si(table, place, quantity, given.get(quantity), text)
         for place, quantity in ((linear, "linear"), (angular, "angular"))
     )
-    return VelocitySeries(time_s, speed, yaw, rate)
+    return VelocitySeries(time_s, speed, yaw, rate, _valid(table))
+
+
+def _valid(table: NumberTable) -> NDArray[np.bool_] | None:
+    """Where the file's own columns do not say that the velocities are unknown."""
+    names = [name.lower().strip() for name in table.header]
+    unknown = [np.isinf(table.numbers[:, k]) for k in _of_deviations(names)]
+    unknown += [~(table.numbers[:, k] > 0) for k, name in enumerate(names) if name == "valid"]
+    return ~np.any(unknown, axis=0) if unknown else None
+
+
+def _of_deviations(names: list[str]) -> list[int]:
+    return [k for k, name in enumerate(names) if re.search(STANDARD_DEVIATION, name)]
 
 
 def _given_units(units: str | None) -> dict[str, str]:

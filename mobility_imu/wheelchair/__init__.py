@@ -18,7 +18,7 @@ from mobility_imu.wheelchair.slip import (
     slip_sources,
     wheel_speeds,
 )
-from mobility_imu.wheelchair.smoothing import smooth_recording
+from mobility_imu.wheelchair.smoothing import smooth_recording, with_smoothing_sd
 from mobility_imu.wheelchair.tasks import Task, Tasks, identify_tasks, task_codes
 from mobility_imu.wheelchair.uncertainty import AssumedErrors
 from mobility_imu.wheelchair.velocity import ChairVelocity, VelocitySettings, estimate_velocity
@@ -56,4 +56,5 @@ __all__ = [
     "task_codes",
     "task_events",
     "wheel_speeds",
+    "with_smoothing_sd",
 ]

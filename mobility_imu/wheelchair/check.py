@@ -43,6 +43,7 @@ from mobility_imu.wheelchair.saturation import (
     saturation_warnings,
     usable_samples,
 )
+from mobility_imu.wheelchair.series import as_offsets
 
 __all__ = ["GeometryCheck", "check_geometry"]
 
@@ -205,7 +206,7 @@ def check_geometry(
         as_number(gyr_axis_sd_rad, "gyr_axis_sd_rad", zero=True),
     )
     names = ("frame", *(f"{side}_wheel" for side in SIDES))
-    merged = merge_offsets(rest_offsets(recording, names), dict(offsets or {}))
+    merged = merge_offsets(rest_offsets(recording, names), as_offsets(offsets))
     found = {name: merged[name] for name in names if name in merged}
     saturated = saturated_gyroscopes(recording, names)
     warnings = (
@@ -352,12 +353,7 @@ def _verdict(
     fitted = _distances(parts, geometry, mount, offsets, turning)
     distance, distance_sd, mismatch, mismatch_sd, told_sd = fitted
     if told_sd > TRACK_TOLERANCE_M and distance > 3 * distance_sd:
-        return {
-            "warnings": (
-                "turns too little to judge the geometry: wheels and frame agree so badly that the "
-                f"track could be told to {told_sd:.3f} m only, expected {TRACK_TOLERANCE_M} m",
-            )
-        }
+        return {"warnings": (_scattered(agreement["turned_rad"], told_sd),)}
     gains = [
         float((parts.apart - mismatch * parts.speed)[way] @ parts.yaw[way])
         / float(parts.yaw[way] @ parts.yaw[way])
@@ -392,6 +388,14 @@ def _verdict(
         "camber_sd_rad": camber_sd,
         "warnings": tuple(sentences),
     }
+
+
+def _scattered(turned_rad: float, told_sd_m: float) -> str:
+    return (
+        "wheels and frame disagree too much to judge the geometry: in "
+        f"{np.rad2deg(turned_rad):.0f} deg of turns, the track could be told to {told_sd_m:.3f} m "
+        f"only, expected {TRACK_TOLERANCE_M} m; look for slip, and for a loose or late sensor"
+    )
 
 
 def _distances(

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect, settings_or_default
-from mobility_imu.faults import Fault, all_repaired, interpolated, with_costs
+from mobility_imu.faults import Fault, all_repaired, interpolated, one_sided, with_costs
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine, fault_of
 from mobility_imu.offsets import GyroscopeOffset
@@ -43,6 +43,7 @@ from mobility_imu.wheelchair.recovery import (
     with_gyroscope,
 )
 from mobility_imu.wheelchair.saturation import saturated_gyroscopes, saturation_warnings
+from mobility_imu.wheelchair.series import as_offsets
 from mobility_imu.wheelchair.slip import at_odds
 from mobility_imu.wheelchair.velocity import ChairVelocity, VelocitySettings, estimate_velocity
 
@@ -111,7 +112,8 @@ def find_faults(
     tuple of Fault
         empty if nothing was found; costs are of ``speed`` (m/s), ``yaw rate`` (deg/s), ``distance``
         (m, signed, from the start) and ``turn`` (deg, likewise). What a gyroscope costs that the
-        others replace throughout is not known: the estimate replaces it as the repair does.
+        others replace throughout is not known: the estimate replaces it as the repair does. Nor
+        is what one costs that repeats its first reading, or its last one to the end.
 
     Raises
     ------
@@ -125,7 +127,7 @@ def find_faults(
         return results(one, geometry, mount, settings, offsets)
 
     one = _own(recording, geometry, mount, settings)
-    known = [replace(f, repair=None) if _is_replaced(one, f) else f for f in found]
+    known = [replace(f, repair=None) if _is_unpriced(one, f) else f for f in found]
     return tuple(
         _without_trifles(replace(priced, repair=fault.repair))
         for priced, fault in zip(with_costs(known, recording, estimate), found, strict=True)
@@ -182,6 +184,7 @@ def sensor_faults(
     expect("geometry", geometry, WheelchairGeometry)
     expect("mount", mount, WheelchairMount)
     settings = settings_or_default("settings", settings, VelocitySettings)
+    given = as_offsets(offsets)
     if recording.sampling_rate_hz < SLOWEST_HZ:
         copies = (fault for fault in examine(recording) if fault.code == "copy")
         return (*copies, _slow_clock(recording))
@@ -190,7 +193,7 @@ def sensor_faults(
         return tuple(found)
     if recording.time_s[-1] - recording.time_s[0] < SHORTEST_S:
         return tuple(found)
-    witnesses = _witnesses(recording, found, geometry, mount, settings, dict(offsets or {}))
+    witnesses = _witnesses(recording, found, geometry, mount, settings, given)
     if not witnesses.sides or "frame" not in witnesses.names:
         return tuple(found)
     looked: list[Fault] = []
@@ -244,8 +247,9 @@ def _slow_clock(recording: Recording) -> Fault:
     rate = recording.sampling_rate_hz
     return fault_of(
         recording, "clock", "time_s", whole,
-        f"gives a sampling rate of {rate:g} Hz, at which no wheel's turning is seen; give the "
-        "times in seconds, or state --sampling-rate-hz", size=rate, unit="Hz",
+        f"gives a sampling rate of {rate:g} Hz, at which no wheel's turning is seen; "
+        "correct the file's times, which are in seconds (--sampling-rate-hz is for files without "
+        "times)", size=rate, unit="Hz",
     )  # fmt: skip
 
 
@@ -278,6 +282,12 @@ def _own(
     works = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
     lost = unreplaced(failed, works) if settings.form == "corrected" else failed
     return _Own(recording, geometry, mount, failed, lost)
+
+
+def _is_unpriced(one: _Own, fault: Fault) -> bool:
+    """Whether no repair but the estimate's own is known, or none at all."""
+    gyroscope = not fault.sensor.endswith("_acc")
+    return _is_replaced(one, fault) or (gyroscope and one_sided(fault))
 
 
 def _is_replaced(one: _Own, fault: Fault) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import check_columns, check_limits, expect, settings_or_default
-from mobility_imu.frames import FloatArray, as_clock, as_number, check_positive
+from mobility_imu.frames import FloatArray, as_clock, as_flags, as_number, check_positive
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of
 from mobility_imu.wheelchair.codes import Task, as_codes
@@ -62,6 +62,8 @@ def task_events(
     codes: ArrayLike,
     linear_velocity_mps: ArrayLike,
     yaw_rate_radps: ArrayLike,
+    *,
+    valid: ArrayLike | None = None,
 ) -> pd.DataFrame:
     """One row per run of a task.
 
@@ -70,13 +72,15 @@ def task_events(
     time_s : (n,) array, s, even
     codes : (n,) array of task codes
     linear_velocity_mps, yaw_rate_radps : (n,) arrays, m/s and rad/s
+    valid : (n,) array of truth values, whether a frame's task is known, as ``Tasks.valid``; adds
+        a column
 
     Returns
     -------
     DataFrame
         ``task``, ``direction``, ``onset_s``, ``end_s`` (first frame after it), ``duration_s``,
         ``distance_m`` (along the path, backward positive too) and ``turn_angle_deg`` (left
-        positive).
+        positive); with ``valid`` given a column ``valid``, 1 where all frames of the event are.
 
     Raises
     ------
@@ -96,7 +100,7 @@ def task_events(
     stops = np.r_[starts[1:], len(codes)]
     path = np.r_[0, integrate.cumulative_trapezoid(np.abs(velocity), dx=step, initial=0)]
     heading = np.r_[0, integrate.cumulative_trapezoid(yaw, dx=step, initial=0)]
-    return pd.DataFrame(
+    events = pd.DataFrame(
         {
             "task": [Task(code).title for code in codes[starts]],
             "direction": turn_direction(codes, yaw)[starts],
@@ -107,6 +111,10 @@ def task_events(
             "turn_angle_deg": np.rad2deg(heading[stops] - heading[starts]),
         }
     )
+    if valid is not None:
+        known = as_flags(valid, "valid", length=len(clock))
+        events["valid"] = np.logical_and.reduceat(known, starts).astype(int)
+    return events
 
 
 def onset_errors(codes: ArrayLike, true_codes: ArrayLike, sampling_rate_hz: float) -> pd.DataFrame:

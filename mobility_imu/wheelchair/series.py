@@ -1,14 +1,18 @@
-"""Check of what the chair's functions are given: series of one length, or single numbers."""
+"""Check of what the chair's functions are given: series of one length, numbers, offsets."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_series
+from mobility_imu.offsets import GyroscopeOffset
 
-__all__ = ["alike", "as_motion"]
+__all__ = ["alike", "as_motion", "as_offsets"]
 
 LARGEST_MOTION = 1e6
 """Largest speed, m/s, and rate, rad/s; sums over it do not overflow, and nothing moves so fast."""
@@ -72,3 +76,26 @@ def _as_array(values: ArrayLike, name: str) -> FloatArray:
     if single or getattr(values, "ndim", None) == 0:
         return np.asarray(as_number(values, name, negative=True))
     return as_series(values, name)
+
+
+def as_offsets(offsets: Mapping[str, GyroscopeOffset] | None) -> dict[str, GyroscopeOffset]:
+    """Check offsets of gyroscopes from other recordings.
+
+    Parameters
+    ----------
+    offsets : sensor to GyroscopeOffset; none if None
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    InputError
+        If it is no mapping, or a value is no GyroscopeOffset.
+    """
+    given = {} if offsets is None else offsets
+    expect("offsets", given, Mapping)
+    for name, offset in given.items():
+        expect(f"offsets[{name!r}]", offset, GyroscopeOffset)
+    return dict(given)

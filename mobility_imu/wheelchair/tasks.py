@@ -16,12 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import check_columns, expect, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_clock, as_count, as_number, one_of
+from mobility_imu.frames import FloatArray, as_clock, as_count, as_flags, as_number, one_of
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of, runs_of
 from mobility_imu.wheelchair.codes import Codes, Task, as_codes
 from mobility_imu.wheelchair.series import alike, as_motion
 from mobility_imu.wheelchair.settings import TaskSettings
+from mobility_imu.wheelchair.validity import known_tasks, on_unknown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -157,7 +158,10 @@ class Tasks(Result):
     linear_velocity_mps, yaw_rate_radps : (n,) arrays, m/s and rad/s, as they were given
     settings : TaskSettings that were used
     edge : how the first frames were treated
-    warnings : sentences on how the settings were met; empty if they were met exactly
+    warnings : sentences on how the settings were met, and on velocities that are not valid; empty
+        if there is nothing to say
+    valid : (n,) bool array, False where a velocity that the frame's task comes from is not valid;
+        the task there is not known. All True if None
     """
 
     time_s: FloatArray
@@ -167,12 +171,16 @@ class Tasks(Result):
     settings: TaskSettings = field(default_factory=TaskSettings)
     edge: Edge = "covering"
     warnings: tuple[str, ...] = ()
+    valid: NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         """Check that all are series of one length, and the codes those of tasks."""
         expect("settings", self.settings, TaskSettings)
         one_of("edge", self.edge, ("covering", "tool"))
-        check_columns(self, "time_s", "linear_velocity_mps", "yaw_rate_radps")
+        if self.valid is None:
+            object.__setattr__(self, "valid", np.ones(len(self.time_s), np.bool_))
+        series = ("time_s", "linear_velocity_mps", "yaw_rate_radps")
+        check_columns(self, *series, flags=("valid",))
         object.__setattr__(self, "codes", as_codes(self.codes, length=len(self.time_s)))
         super().__post_init__()
 
@@ -186,10 +194,12 @@ class Tasks(Result):
         Returns
         -------
         DataFrame
-            ``time_s``, ``linear_velocity_mps``, ``yaw_rate_degps``, ``task_code`` and ``task``
+            ``time_s``, ``linear_velocity_mps``, ``yaw_rate_degps``, ``task_code``, ``task`` and
+            ``valid`` (0 or 1)
         """
         import pandas as pd
 
+        assert self.valid is not None
         names = np.array(["", *(task.title for task in Task)])
         return pd.DataFrame(
             {
@@ -198,6 +208,7 @@ class Tasks(Result):
                 "yaw_rate_degps": np.rad2deg(self.yaw_rate_radps),
                 "task_code": self.codes,
                 "task": names[self.codes],
+                "valid": self.valid.astype(int),
             }
         )
 
@@ -239,7 +250,8 @@ def identify_tasks(
     Parameters
     ----------
     drive : ChairVelocity of :func:`~mobility_imu.wheelchair.velocity.estimate_velocity`, or a
-        series of :func:`~mobility_imu.readers.velocities.read_velocities`
+        series of :func:`~mobility_imu.readers.velocities.read_velocities`; where its ``valid`` is
+        False the velocities are not known, and the tasks found from them are not valid either
     settings : TaskSettings; the document's defaults if None
     edge : as for :func:`task_codes`
 
@@ -269,6 +281,11 @@ def identify_tasks(
     )
     if len(steps.reduced) != len(time_s):
         raise InputError(f"time_s: {len(time_s)} times for {len(steps.reduced)} velocities")
+    given = getattr(drive, "valid", None)
+    known = np.ones(len(time_s), np.bool_)
+    if given is not None:
+        known = as_flags(given, "valid", length=len(time_s))
+    segment, _ = steps.settings.frames(as_number(drive.sampling_rate_hz, "sampling_rate_hz"))
     return Tasks(
         time_s=time_s,
         codes=steps.reduced,
@@ -276,7 +293,8 @@ def identify_tasks(
         yaw_rate_radps=as_motion(drive.yaw_rate_radps, "yaw_rate_radps"),
         settings=steps.settings,
         edge=edge,
-        warnings=steps.warnings,
+        warnings=(*steps.warnings, *on_unknown(time_s, known)),
+        valid=known_tasks(known, segment),
     )
 
 

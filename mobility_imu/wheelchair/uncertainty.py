@@ -364,6 +364,54 @@ class SpeedUncertainty(NamedTuple):
     yaw_rate_sd_radps: FloatArray
 
 
+class SampleNoise(NamedTuple):
+    """Noise of single samples in a chair's velocities, m/s and rad/s."""
+
+    linear_velocity_sd_mps: float
+    yaw_rate_sd_radps: float
+
+
+def sample_noise(
+    offsets: Mapping[str, GyroscopeOffset],
+    geometry: WheelchairGeometry,
+    mount: WheelchairMount,
+    *,
+    both: bool,
+) -> SampleNoise:
+    """Noise of single samples, which is the part of the uncertainty that a filter makes smaller.
+
+    Parameters
+    ----------
+    offsets : sensor to GyroscopeOffset; a sensor without one has the noise of a usual sensor
+    geometry : WheelchairGeometry
+    mount : WheelchairMount
+    both : whether both wheels give the speed; the mount's one wheel and the frame do otherwise
+
+    Returns
+    -------
+    SampleNoise
+    """
+
+    def noise(name: str, axis_imu: FloatArray) -> float:
+        return offsets[name].noise_along(axis_imu) if name in offsets else UNKNOWN_NOISE_RADPS
+
+    yaw = noise("frame", mount.rotation_frame_imu_to_chair[2])
+    mounted = {
+        "left": mount.rotation_left_imu_to_wheel,
+        "right": mount.rotation_right_imu_to_wheel,
+    }
+    parts = {
+        side: geometry.wheel_radius_m.of(side)
+        * noise(f"{side}_wheel", mount.rotation_imu_to_wheel(side)[2])
+        for side in SIDES
+        if mounted[side] is not None
+    }
+    if both:
+        return SampleNoise(float(_root_sum(*parts.values())) / 2, yaw)
+    side, part = min(parts.items(), key=lambda item: item[1])
+    return SampleNoise(float(np.hypot(part, geometry.wheel_centre(side)[1] * yaw)), yaw)
+
+
 def speed_uncertainty(
     rates_radps: Mapping[str, FloatArray],
     disagreement_radps: FloatArray | None,

@@ -49,7 +49,7 @@ from mobility_imu.wheelchair.saturation import (
     saturation_warnings,
     usable_samples,
 )
-from mobility_imu.wheelchair.series import alike
+from mobility_imu.wheelchair.series import alike, as_offsets
 from mobility_imu.wheelchair.slip import (
     SlipMethod,
     SlipSettings,
@@ -421,10 +421,7 @@ def estimate_velocity(
     expect("geometry", geometry, WheelchairGeometry)
     expect("mount", mount, WheelchairMount)
     settings = settings_or_default("settings", settings, VelocitySettings)
-    expect("offsets", {} if offsets is None else offsets, Mapping)
-    offsets = {} if offsets is None else dict(offsets)
-    for name, offset in offsets.items():
-        expect(f"offsets[{name!r}]", offset, GyroscopeOffset)
+    offsets = as_offsets(offsets)
     return for_each(
         _one_recording,
         recording,

@@ -34,7 +34,9 @@ def test_from_raw_trial_to_chronogram(tmp_path, works):
         "yaw_rate_degps",
         "task_code",
         "task",
+        "valid",
     ]
+    assert tasks["valid"].eq(1).all()
     assert set(tasks["task_code"]) == {1, 2, 3, 4, 5, 6}
     assert tasks.groupby("task_code")["task"].nunique().eq(1).all()
     assert (tmp_path / "chronogram.png").read_bytes().startswith(b"\x89PNG")
@@ -60,6 +62,56 @@ def test_check_events_and_filters(tmp_path, works, fails):
     assert set(tasks["direction"].dropna()) == {"left", "right"}
     even = ["--filter", "moving-average", "--filter-window", 8]
     fails(*velocity(), *even, says=["8", "odd"])
+
+
+def test_no_task_is_named_where_the_velocities_are_not_valid(tmp_path, works):
+    table = velocity_csv(tmp_path / "v.csv")
+    table["linear_velocity_sd_mps"] = np.where(table["time_s"].between(2, 2.5), np.inf, 0.01)
+    table["valid"] = (~table["time_s"].between(4, 5)).astype(int)
+    table.to_csv(tmp_path / "v.csv", index=False)
+    result = works("wheelchair", "tasks", "v.csv", "-o", "t.csv", "--events", "e.csv",
+                   "--figure", "f.png")  # fmt: skip
+    assert "not valid for 1.5 of 6.0 s (2.00 to 2.50 s, 4.00 to 5.00 s)" in result.stderr
+    tasks, events = pd.read_csv(tmp_path / "t.csv"), pd.read_csv(tmp_path / "e.csv")
+    # A vote reaches nearly a segment of 0.25 s to both sides.
+    reached = table["time_s"].between(1.755, 2.745) | table["time_s"].between(3.755, 5.245)
+    assert (tasks["valid"] == ~reached).all()
+    for event in events.itertuples():
+        inside = (tasks["time_s"] >= event.onset_s) & (tasks["time_s"] < event.end_s - 0.001)
+        assert event.valid == tasks["valid"][inside].min()
+    assert set(events["valid"]) == {0, 1}
+    without = works("wheelchair", "tasks", "v.csv", "-o", "t.csv", "--quiet").stderr
+    assert "not valid" in without
+
+
+def test_lags_of_clocks_are_not_in_the_standard_deviations(tmp_path, works):
+    """The numbers of the page on how to use the book, of three courts."""
+    speeds, yaws = [], []
+    for seed in (1, 2, 3):
+        folder = tmp_path / f"court{seed}"
+        works("simulate", "wheelchair", "--seed", seed, "--level", "real", "-o", folder)
+        files = {"static": folder / "static.csv.gz", "straight": folder / "straight.csv.gz"}
+        trial = folder / "court.csv.gz"
+        works(*velocity(trial, geometry=folder / "geometry.toml", **files))
+        found, truth = pd.read_csv("v.csv"), pd.read_csv(folder / "truth.csv.gz")
+        for name, sd, into in (
+            ("linear_velocity_mps", "linear_velocity_sd_mps", speeds),
+            ("yaw_rate_degps", "yaw_rate_sd_degps", yaws),
+        ):
+            into.append(((found[name] - truth[name]).abs() < 2 * found[sd]).mean())
+    assert (round(100 * min(yaws)), round(100 * max(yaws))) == (62, 66)
+    assert (round(100 * min(speeds)), round(100 * max(speeds))) == (80, 93)
+
+
+def test_a_fault_that_was_found_is_named_where_the_estimate_refuses(tmp_path, fails):
+    """The estimate sees no more than that the wheels turn against the frame."""
+    trial = pd.read_csv(COURT / "court.csv.gz")
+    trial[[f"frame_gyr_{axis}_radps" for axis in "xyz"]] *= -1
+    trial.to_csv(tmp_path / "trial.csv", index=False)
+    line = fails(*velocity(tmp_path / "trial.csv"), says=["swapped, or the frame's sensor"])
+    assert line.index("frame_gyr turns the other way than both wheels' sensors") < line.index(
+        "the estimate refuses"
+    )
 
 
 SETTINGS = {

@@ -7,9 +7,11 @@ The bounds hold what chance allows and fail a standard deviation that is wrong b
 import numpy as np
 import pytest
 from chairs import BOTH_WAYS, CHAIRS, calibrated, trials
-from scipy import stats
+from scipy import ndimage, stats
 
+from mobility_imu.cli.wheelchair import check_text
 from mobility_imu.errors import InputError
+from mobility_imu.faults import with_readings
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation.sensor import MTI_1, REAL
 from mobility_imu.simulation.wheelchair import LIKE_SAMPLE, Leg, random_court
@@ -367,3 +369,32 @@ def test_a_camber_is_told_beyond_two_degrees(camber_deg, sd_deg, told):
     said = _on_camber(SAMPLE_CHAIR, *np.deg2rad([camber_deg, sd_deg]))
     assert len(said) == told
     assert all(f"a camber of {camber_deg} deg, not 19.0 deg" in text for text in said)
+
+
+def test_wheels_and_frame_that_disagree_are_not_called_too_few_turns():
+    """A wheel whose rate wanders by 1 rad/s while the chair turns, by more than a whole turn."""
+    court = random_court(1, slips=0)
+    static, straight = court.calibration_trials(MTI_1)
+    found, drive = calibrate_mount(static.recording, straight.recording), court.drive(MTI_1)
+    trial, yaw = drive.recording, drive.yaw_rate_radps
+    wander = ndimage.gaussian_filter1d(np.random.default_rng(1).normal(size=len(trial)), 20)
+    turning = ndimage.uniform_filter1d((np.abs(yaw) > 0.1).astype(float), 50)
+    along = (wander / wander.std() * turning)[:, None] * found.mount.rotation_imu_to_wheel("right")[
+        2
+    ]
+    wrong = with_readings(trial, "right_wheel", gyr_radps=trial.gyroscope("right_wheel") + along)
+    check = check_geometry(wrong, court.geometry, found.mount, offsets=found.offsets)
+    assert not check.judged and check.turned_rad > 2 * np.pi
+    assert "wheels and frame disagree too much to judge the geometry" in check.warnings[0]
+    assert not any("too little" in sentence for sentence in check.warnings)
+
+
+def test_turns_to_one_side_only_give_no_factor_of_the_other():
+    left, right = Leg(4, 3.0, 0.0, 120.0), Leg(1, 1.0)
+    static, straight, drive = trials(
+        SAMPLE_CHAIR, 3, legs=(right, left, right, Leg(2, 2.0, 1.0), left)
+    )
+    mount = calibrate_mount(static.recording, straight.recording).mount
+    text = check_text(check_geometry(drive.recording, SAMPLE_CHAIR, mount))
+    assert "nan" not in text and "right turns  too few of them" in text
+    assert "times what is given" in text

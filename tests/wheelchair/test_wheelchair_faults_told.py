@@ -154,6 +154,18 @@ def test_samples_at_the_end_of_a_range_are_not_told_as_frozen_too():
         assert [f.code for f in found if f.sensor.startswith(sensor)] == ["range"]
 
 
+@pytest.mark.parametrize("start_s", [0.0, 30.0])
+def test_what_gyroscopes_cost_that_never_read_again_is_not_known(start_s):
+    """Nothing comes after the loss, or nothing before it: a line between neighbours repeats it."""
+    trial = drive().trial
+    length_s = 10.0 if start_s == 0 else float(trial.time_s[-1]) - start_s + 1
+    for sensor in ("left_wheel", "right_wheel"):
+        trial = inject.freeze(trial, sensor, "gyr", start_s, length_s)
+    frozen = of_code(look(trial), "frozen")
+    assert {fault.sensor for fault in frozen} >= {"left_wheel_gyr", "right_wheel_gyr"}
+    assert all(fault.costs == () for fault in frozen)
+
+
 @pytest.mark.parametrize("sensor", SENSORS)
 def test_a_frozen_gyroscope_is_told_once_with_what_replaces_it(sensor):
     cal, geometry = calibration(), drive().court.geometry

@@ -18,6 +18,7 @@ from mobility_imu.wheelchair import (
     detect_pushes,
     detect_slip,
     estimate_velocity,
+    find_faults,
     identify_tasks,
     slip_report,
     slip_sources,
@@ -211,3 +212,12 @@ def test_a_low_pass_that_no_number_can_hold_is_refused():
             correct_slip(ONES, ONES, windows, 100, settings, method="tool")
     settings = SlipSettings(low_pass_hz=1e-4)
     assert np.isfinite(correct_slip(ONES, ONES, windows, 100, settings, method="tool")).all()
+
+
+@pytest.mark.parametrize("look", [estimate_velocity, find_faults, check_geometry])
+@pytest.mark.parametrize(
+    ("offsets", "says"), [([1], "offsets: "), ({"frame": np.zeros(3)}, r"offsets\['frame'\]: ")]
+)
+def test_what_are_no_offsets(look, offsets, says):
+    with pytest.raises(InputError, match=says):
+        look(DRIVE, SAMPLE_CHAIR, MOUNT, offsets=offsets)

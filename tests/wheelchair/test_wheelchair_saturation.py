@@ -180,3 +180,19 @@ def test_a_recording_may_begin_and_end_at_the_limit():
     cut = Imu(imu.acc_mps2[part], imu.gyr_radps[part])
     found = saturated_gyroscopes(Recording(whole.time_s[part], {"frame": cut}), ["frame"])
     assert np.array_equal(found["frame"], at_limit[part]) and found["frame"][[0, -1]].all()
+
+
+def test_a_wheel_beyond_its_range_for_more_than_half_of_the_time():
+    """The median rate is the limit itself then. 125 deg/s is 0.7 m/s of a usual wheel."""
+    court = random_court(3, slips=0)
+    low = replace(MTI_1, gyr=replace(MTI_1.gyr, full_scale=np.deg2rad(125.0)))
+    wide, tight = court.drive(MTI_1), court.drive(low)
+    found = saturated_gyroscopes(tight.recording, ["left_wheel", "right_wheel"])
+    halves = []
+    for name, flags in found.items():
+        beyond = np.abs(wide.recording.gyroscope(name)).max(axis=1) > np.deg2rad(126)
+        assert 0.3 < beyond.mean()
+        halves.append(flags.mean() > 0.5)
+        assert (flags & beyond).sum() > 0.97 * beyond.sum()
+    assert any(halves)
+    assert set(found) == {"left_wheel", "right_wheel"}

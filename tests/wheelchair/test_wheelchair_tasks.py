@@ -12,12 +12,14 @@ from chairs import (
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matplotlib import pyplot as plt
 from plain_tasks import plain_tasks
 
 from mobility_imu.data import recordings_folder
 from mobility_imu.errors import InputError
+from mobility_imu.plots.wheelchair import chronogram
 from mobility_imu.readers import read_recording
-from mobility_imu.readers.velocities import read_velocities
+from mobility_imu.readers.velocities import VelocitySeries, read_velocities
 from mobility_imu.reproduction.published import load_published
 from mobility_imu.reproduction.wheelchair.sample import open_combinations
 from mobility_imu.simulation.wheelchair import (
@@ -441,3 +443,22 @@ def test_tasks_of_the_bundled_recording_are_right_away_from_the_changes(court):
 def test_three_combinations_of_table_2_are_open():
     # velocity b, speed c, yaw rate b, with any of the three letters of the radius
     assert open_combinations() == 3
+
+
+def test_tasks_of_a_drive_are_valid_where_its_velocities_are():
+    """Frames within a segment of 0.25 s of what is not known have windows that hold some of it."""
+    time_s = np.arange(600) / 100
+    valid = (time_s < 2) | (time_s >= 3)
+    drive = VelocitySeries(time_s, np.sin(time_s), 0 * time_s, 100.0, valid)
+    found = identify_tasks(drive)
+    assert np.array_equal(found.valid, (time_s < 1.755) | (time_s > 3.235))
+    assert any("not valid for 1.0 of 6.0 s (2.00 to 2.99 s)" in text for text in found.warnings)
+    whole = identify_tasks(replace(drive, valid=None))
+    assert whole.valid.all() and not any("not valid" in text for text in whole.warnings)
+    assert np.array_equal(whole.codes, found.codes)
+    figure = chronogram(time_s, found.codes, found.linear_velocity_mps, valid=found.valid)
+    shares = next(axes.child_axes for axes in figure.axes if axes.child_axes)[0]
+    labels = [text.get_text() for text in shares.get_yticklabels()]
+    assert sum(int(text.split()[0]) for text in labels) == pytest.approx(75, abs=2)
+    assert "crossed out: not known" in figure.axes[-1].get_xlabel()
+    plt.close(figure)
