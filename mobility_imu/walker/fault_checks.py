@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from mobility_imu.faults import Fault, half_of, interpolated, multiplied, shifted, with_half
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
-from mobility_imu.health import fault_of
+from mobility_imu.health import fault_of, samples_lost
 from mobility_imu.quality import (
     SHORTEST_FROZEN_S,
     resolution_of,
@@ -108,21 +108,22 @@ def faults_of_readings(
     list of Fault
     """
     checks: list[Iterable[Fault]] = [_spikes(recording, readings, found)]
-    broken = {
-        f.code
-        for f in found
-        if f.code in BROKEN or (f.code == "range" and f.flags.mean() > SOME_CUT)
-    }
-    held = [] if "frozen" in broken else list(_held(recording, readings, stillness))
+    cut = any(f.code == "range" and f.flags.mean() > SOME_CUT for f in found)
+    frozen = any(f.code == "frozen" for f in found)
+    held = [] if frozen else list(_held(recording, readings, stillness))
+    lost = samples_lost([*found, *held], len(recording))
+    # In coarse steps a late half looks frozen: then all samples are asked for a lag first.
     coarse = resolution_of(recording.sensor(FRAME).acc_mps2).all_coarse
-    halves = list(_halves(recording, readings)) if not broken or coarse else []
-    late = [fault for fault in halves if fault.code == "lag"]
+    late: list[Fault] = []
+    if coarse and (cut or lost.any()):
+        late = [fault for fault in _halves(recording, readings) if fault.code == "lag"]
     if late:
         held = []
-    checks.append(halves if not broken and not held else late)
+    readings = readings._replace(lost=lost[-len(readings.time_s) :])
+    checks.append(late if late or cut else _halves(recording, readings))
     checks.append(_gravity(recording, readings))
     told = held + [fault for check in checks for fault in check]
-    if broken:
+    if cut:
         return told
     told += _turning_rests(recording, readings)
     if "offset" not in {fault.code for fault in told}:
@@ -144,12 +145,13 @@ def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings)
     Returns
     -------
     Fault
-        A dead axis has no repair, and its sentence says so. A cut range is repaired by a curve
-        over each cut, or has no repair if too much is cut. A frozen half is bridged by a line if it
-        is shorter than ``BRIDGED_S`` or the other half shows no motion meanwhile, or has no repair.
+        An axis that is dead throughout has no repair, and its sentence says so. A cut range is
+        repaired by a curve over each cut, or has no repair if too much is cut. A frozen half, or an
+        axis that is dead for some time, is bridged by a line if that is shorter than ``BRIDGED_S``
+        or the other half shows no motion meanwhile, or has no repair.
         Faults of other kinds are as they were.
     """
-    if fault.code == "dead axis":
+    if fault.code == "dead axis" and fault.flags.all():
         return replace(fault, sentence=fault.sentence + UNKNOWN)
     if fault.code == "range":
         half = fault.sensor.removeprefix(f"{FRAME}_")
@@ -157,7 +159,7 @@ def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings)
         if known:
             return replace(fault, repair=partial(_peaks_back, half=half, flags=fault.flags))
         return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
-    if fault.code != "frozen":
+    if fault.code not in BROKEN:
         return fault
     imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
     rates = recording.gyroscope(FRAME)
@@ -166,7 +168,7 @@ def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings)
     )
     moves = (
         shakes > stillness.acc_deviation_mps2
-        if fault.sensor.endswith("gyr")
+        if fault.sensor.startswith(f"{FRAME}_gyr")
         else turns > stillness.rate_radps
     )
     longest = max(run.stop - run.start for run in runs_of(fault.flags)) / rate_hz
@@ -284,7 +286,10 @@ def _rates_scaled(recording: Recording, factor: float) -> Recording:
 
 def _gravity(recording: Recording, readings: Readings) -> Iterator[Fault]:
     """An accelerometer that reads another gravity than the earth's."""
-    means = [readings.acc_mps2[rest].mean(axis=0) for rest in runs_of(readings.still)]
+    rests = runs_of(readings.still_and_known)
+    if not rests:
+        return
+    means = [readings.acc_mps2[rest].mean(axis=0) for rest in rests]
     size = float(np.median(np.linalg.norm(means, axis=1)))
     if abs(size - STANDARD_GRAVITY_MPS2) <= OFF_GRAVITY_MPS2:
         return

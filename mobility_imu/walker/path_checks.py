@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, turned_back
-from mobility_imu.health import fault_of
+from mobility_imu.health import fault_of, samples_lost
 from mobility_imu.recording import Recording
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.fault_checks import BROKEN, FRAME, placed
+from mobility_imu.walker.fault_checks import FRAME, placed
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.rest_checks import shortest_turns
 from mobility_imu.walker.steps import find_steps
@@ -70,14 +70,17 @@ def faults_of_path(
                 told.append(_stated("at odds", placed(found.stationary, count), said, recording))
         elif FAR_WORDS in text:
             told.append(_stated("mount", whole, said, recording))
-    if codes & {*BROKEN, "reversed"}:
+    if "reversed" in codes:
+        return told
+    usable = _without_lost(found, samples_lost(known, count)[late:])
+    if not usable[~found.stationary].any():
         return told
     if found.settings.zero_rate:  # settings of a foot are without
-        told += _foot(recording, found)
+        told += _foot(recording, found, usable)
     if not {fault.code for fault in told} & {"foot", "no rest"}:
-        told += _far_steps(recording, found)
+        told += _far_steps(recording, found, usable)
     if not {fault.code for fault in told} & {"foot", "no rest", "rolls"}:
-        told += _aside(recording, found, mount)
+        told += _aside(recording, found, mount, usable)
     return told
 
 
@@ -142,9 +145,20 @@ def _leaning(recording: Recording, found: Trajectory, mount: WalkerMount, said: 
     )
 
 
-def _foot(recording: Recording, found: Trajectory) -> Iterator[Fault]:
+def _without_lost(found: Trajectory, lost: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Samples of a path but for those of moves in or beside which readings are lost.
+
+    A rest brings tilt and velocity back, so that the next move shows the frame as it is.
+    """
+    usable = np.ones(len(found), np.bool_)
+    for move in runs_of(~found.stationary):
+        usable[move] = not lost[max(0, move.start - 1) : move.stop + 1].any()
+    return usable
+
+
+def _foot(recording: Recording, found: Trajectory, usable: NDArray[np.bool_]) -> Iterator[Fault]:
     """Tilts that no frame makes."""
-    upright = found.rotation_body_to_world[:, 2, 2]
+    upright = np.where(usable, found.rotation_body_to_world[:, 2, 2], 1.0)
     flags = upright < np.cos(np.deg2rad(FOOT_DEG))
     if flags.any():
         largest = float(np.rad2deg(np.arccos(np.clip(upright.min(), -1, 1))))
@@ -157,10 +171,12 @@ def _foot(recording: Recording, found: Trajectory) -> Iterator[Fault]:
         )  # fmt: skip
 
 
-def _far_steps(recording: Recording, found: Trajectory) -> Iterator[Fault]:
+def _far_steps(
+    recording: Recording, found: Trajectory, usable: NDArray[np.bool_]
+) -> Iterator[Fault]:
     """Moves from stand to stand that are too far for a frame that is set down."""
     flags, longest, often = np.zeros(len(found), np.bool_), 0.0, 0
-    for move in runs_of(~found.stationary):
+    for move in runs_of(~found.stationary & usable):
         way = found.position_m[min(move.stop, len(found) - 1)] - found.position_m[move.start]
         length = float(np.hypot(*way[:2]))
         if length > LONGEST_STEP_M:
@@ -174,13 +190,18 @@ def _far_steps(recording: Recording, found: Trajectory) -> Iterator[Fault]:
         )  # fmt: skip
 
 
-def _aside(recording: Recording, found: Trajectory, mount: WalkerMount) -> Iterator[Fault]:
+def _aside(
+    recording: Recording, found: Trajectory, mount: WalkerMount, usable: NDArray[np.bool_]
+) -> Iterator[Fault]:
     """Steps that go aside or backward: the mount is turned about the vertical."""
     try:
         steps = find_steps(found)
     except InputError:
         return
     far = steps.length_m > LEAST_STEP_M
+    lift, place = (np.searchsorted(found.time_s, each) for each in (steps.lift_s, steps.place_s))
+    spoilt = np.r_[0, np.cumsum(~usable)]
+    far &= spoilt[np.minimum(place + 1, len(found))] == spoilt[np.maximum(lift - 1, 0)]
     if np.count_nonzero(far) < FEWEST_STEPS:
         return
     heading = np.interp(steps.lift_s, found.time_s, found.yaw_rad)

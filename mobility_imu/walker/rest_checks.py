@@ -79,12 +79,20 @@ class Readings(NamedTuple):
     time_s : (n,) array, s
     acc_mps2, gyr_radps : (n, 3) arrays, IMU's axes
     still : (n,) bool array
+    lost : (n,) bool array, samples in which a half or an axis says nothing, or None for none; moves
+        with such samples are left out, and what they are of a rest is
     """
 
     time_s: FloatArray
     acc_mps2: FloatArray
     gyr_radps: FloatArray
     still: NDArray[np.bool_]
+    lost: NDArray[np.bool_] | None = None
+
+    @property
+    def still_and_known(self) -> NDArray[np.bool_]:
+        """Samples at rest that are not lost, (n,) bool array."""
+        return self.still if self.lost is None else self.still & ~self.lost
 
     @property
     def rate_hz(self) -> float:
@@ -93,7 +101,7 @@ class Readings(NamedTuple):
 
     def offset(self) -> FloatArray:
         """Median of the rests' mean rates, (3,) array, rad/s."""
-        means = [self.gyr_radps[rest].mean(axis=0) for rest in runs_of(self.still)]
+        means = [self.gyr_radps[rest].mean(axis=0) for rest in runs_of(self.still_and_known)]
         return np.asarray(np.median(means, axis=0)) if means else np.zeros(3)
 
 
@@ -131,8 +139,16 @@ class _Batch:
             for before, after in pairwise(rests)
             if (after.start + 1 - before.stop) / rate_hz < LONGEST_MOVE_S
         ]
-        self.spans = [slice(before.stop - 1, after.start + 1) for before, after in pairs]
         window = max(1, int(GRAVITY_S * rate_hz))
+        if readings.lost is not None:
+            pairs = [
+                (before, after)
+                for before, after in pairs
+                if not readings.lost[
+                    max(before.start, before.stop - window) : min(after.stop, after.start + window)
+                ].any()
+            ]
+        self.spans = [slice(before.stop - 1, after.start + 1) for before, after in pairs]
         acc = readings.acc_mps2
         self.first = np.array(
             [acc[max(r.start, r.stop - window) : r.stop].mean(axis=0) for r, _ in pairs]
@@ -377,7 +393,7 @@ def rest_rates(readings: Readings, shortest_s: float) -> tuple[list[slice], Floa
     list of slices, (r, 3) array
     """
     count = max(1, round(shortest_s * readings.rate_hz))
-    rests = runs_of(long_runs(readings.still, count, grow=False))
+    rests = runs_of(long_runs(readings.still_and_known, count, grow=False))
     if not rests:
         return [], np.zeros((0, 3))
     means = np.array([readings.gyr_radps[rest].mean(axis=0) for rest in rests])
@@ -401,7 +417,7 @@ def drift_at_rest(readings: Readings, span_s: float) -> Iterator[tuple[slice, Fl
     """
     rates, count = readings.gyr_radps - readings.offset(), round(span_s * readings.rate_hz)
     slowly = max(3, round(4 * span_s * readings.rate_hz))
-    for rest in runs_of(readings.still):
+    for rest in runs_of(readings.still_and_known):
         if rest.stop - rest.start <= count:
             continue
         step = np.diff(readings.time_s[rest], append=readings.time_s[rest.stop - 1])[:, None]
