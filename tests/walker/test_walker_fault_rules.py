@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Cost, Fault, all_repaired, multiplied
 from mobility_imu.health import examine
-from mobility_imu.recording import Recording
+from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_kinds import clean_walk
 from mobility_imu.simulation import faults as inject
 from mobility_imu.walker import (
@@ -29,6 +29,7 @@ from mobility_imu.walker import (
 from mobility_imu.walker import faults as walker_faults
 from mobility_imu.walker.fault_checks import faults_of_readings, with_reach
 from mobility_imu.walker.faults import not_told
+from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
 from mobility_imu.walker.rest_checks import HalvesFit, Readings
 
@@ -392,3 +393,16 @@ def test_a_short_repetition_hides_no_other_fault_of_the_tilts(code):
     alone = {f.code for f in find_tilt_faults(wrong, walked().tape)}
     wrong = halted(wrong, "acc", len(wrong) - 60, 30)
     assert {f.code for f in find_tilt_faults(wrong, walked().tape)} == alone | {"frozen"}
+
+
+@pytest.mark.parametrize("every", [2, 4, 5, 8])
+@pytest.mark.parametrize("level", ["realistic", "real"])
+def test_a_low_sampling_rate_is_no_fault(level, every):
+    """What the rests are off is held against the same time, not against a sample."""
+    walk = clean_walk(11, level, with_sd=False)
+    whole, imu = walk.walk.recording, walk.walk.recording.sensor("frame")
+    part = Imu(imu.acc_mps2[::every], imu.gyr_radps[::every])
+    slow = Recording(whole.time_s[::every], {"frame": part}, source="slow")
+    told = find_faults(slow, walk.tape, walk.mount)
+    assert "at odds" not in {f.code for f in told}, [f.sentence for f in told]
+    assert not [w for w in navigate_recording(slow)[1] if ODDS_WORDS in w]
