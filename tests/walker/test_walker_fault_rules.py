@@ -406,3 +406,19 @@ def test_a_low_sampling_rate_is_no_fault(level, every):
     told = find_faults(slow, walk.tape, walk.mount)
     assert "at odds" not in {f.code for f in told}, [f.sentence for f in told]
     assert not [w for w in navigate_recording(slow)[1] if ODDS_WORDS in w]
+
+
+@pytest.mark.parametrize("seed", [11, 12, 13, 14, 15, 16, 17])
+def test_true_rests_that_are_given_do_not_roll(seed):
+    """Their ends land and lift; the detector shaves these off, who gives the rests does not."""
+    walk = clean_walk(seed, "realistic", with_sd=False)
+    told = find_faults(walk.walk.recording, walk.tape, walk.mount, rests=walk.walk.stationary)
+    assert "rolls" not in {f.code for f in told}, [f.sentence for f in told]
+
+
+def test_a_walk_without_a_fault_has_no_lag():
+    """Four standard deviations of the lags of sound walks."""
+    for lag, told in ((0.055, False), (0.1, True)):
+        late = inject.late_half(walked().walk.recording, "frame", "gyr", lag)
+        codes = {f.code for f in find_faults(late, walked().tape, walked().mount)}
+        assert ("lag" in codes) == told
