@@ -22,6 +22,9 @@ from mobility_imu.quality import (
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
 from mobility_imu.walker.rest_checks import (
+    LEAST,
+    MOST,
+    HalvesFit,
     Readings,
     drift_at_rest,
     fit_halves,
@@ -55,6 +58,8 @@ LEAST_LAG_S, LEAST_SCALE = 0.07, 0.04
 low-passes), and the lags of 32 simulated walks without a fault, level "real", scatter by 0.018 s,
 twice what the fits state; this is four times that. Smallest error of the gyroscope's scale that is
 told: data sheets of cheap sensors allow 3 %, and of 100 simulated tilts one shows 3.5 %."""
+LARGE_SCALE = 3.0
+"""A scale that is so many times wrong is told in times, a smaller one in per cent."""
 SURE_TIMES = 4.0
 """Lag and scale are told if they are so many standard deviations: one in 16 000 of normal errors,
 which those of few moves are not. Our choice, not swept."""
@@ -219,6 +224,13 @@ def _halves(recording: Recording, readings: Readings) -> Iterator[Fault]:
     """Signs, lag and scale of the gyroscope against the accelerometer."""
     fit, whole = fit_halves(readings), np.ones(len(recording), np.bool_)
     label = f"{FRAME}_gyr"
+    if fit.silent:
+        yield fault_of(
+            recording, "scale", label, whole,
+            "does not turn with the frame: gravity turns while it moves, as the velocity at the "
+            "next rest shows, and the gyroscope says nothing of it; check its unit and its axes, "
+            "or use another sensor" + UNKNOWN,
+        )  # fmt: skip
     if not fit.seen:
         return
     if (fit.signs < 0).any():
@@ -244,11 +256,24 @@ def _halves(recording: Recording, readings: Readings) -> Iterator[Fault]:
     if abs(off) > LEAST_SCALE and abs(fit.scale - 1) > SURE_TIMES * fit.scale_sd:
         yield fault_of(
             recording, "scale", label, whole,
-            f"reads {abs(100 * off):.0f} ± {100 * fit.scale_sd / fit.scale**2:.0f} % too "
-            f"{'much' if off > 0 else 'little'} as far as tilts show it, and about the vertical, "
+            f"reads {_scale_words(fit)} as far as tilts show it, and about the vertical, "
             "where nothing shows it, probably as well; calibrate it, or use another sensor",
             size=off, unit="1", repair=partial(_rates_scaled, factor=fit.scale),
         )  # fmt: skip
+
+
+def _scale_words(fit: HalvesFit) -> str:
+    """By how much the rates are too large or too small, in parts or in times."""
+    way = "too much" if fit.scale < 1 else "too little"
+    if 1 / LARGE_SCALE < fit.scale < LARGE_SCALE:
+        sd = 100 * fit.scale_sd / fit.scale**2
+        return f"{abs(100 * (1 / fit.scale - 1)):.0f} ± {sd:.0f} % {way}"
+    times = max(fit.scale, 1 / fit.scale)
+    if not LEAST[1] < fit.scale < MOST[1]:
+        return f"{times:.0f} times or more {way}"
+    words = f"{times:.3g} ± {times * fit.scale_sd / fit.scale:.2g} times {way}"
+    unit = abs(np.log(times / np.rad2deg(1.0))) < 0.3
+    return f"{words} (deg/s and rad/s are 57.3 apart: is the unit right?)" if unit else words
 
 
 def _held(
