@@ -22,8 +22,10 @@ from mobility_imu.quality import (
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
 from mobility_imu.walker.rest_checks import (
+    LARGEST_LAG_S,
     LEAST,
     MOST,
+    MUCH,
     HalvesFit,
     Readings,
     drift_at_rest,
@@ -58,6 +60,9 @@ LEAST_LAG_S, LEAST_SCALE = 0.07, 0.04
 low-passes), and the lags of 32 simulated walks without a fault, level "real", scatter by 0.018 s,
 twice what the fits state; this is four times that. Smallest error of the gyroscope's scale that is
 told: data sheets of cheap sensors allow 3 %, and of 100 simulated tilts one shows 3.5 %."""
+NEW_RESTS, LESS_LEFT = 4, 0.9
+"""How often the rests are found anew beside a late half, and the part of the misfit that may be
+left each time. Our choice, not swept."""
 LARGE_SCALE = 3.0
 """A scale that is so many times wrong is told in times, a smaller one in per cent."""
 SURE_TIMES = 4.0
@@ -121,17 +126,18 @@ def faults_of_readings(
     coarse = resolution_of(recording.sensor(FRAME).acc_mps2).all_coarse
     late: list[Fault] = []
     if coarse and (cut or lost.any()):
-        late = [fault for fault in _halves(recording, readings) if fault.code == "lag"]
+        late = [fault for fault in _halves(recording, readings, stillness) if fault.code == "lag"]
     if late:
         held = []
     readings = readings._replace(lost=lost[-len(readings.time_s) :])
-    checks.append(late if late or cut else _halves(recording, readings))
+    turning = [] if cut else list(_turning_rests(recording, readings))
+    checks.append(late if late or cut else _halves(recording, readings, stillness, turning))
     checks.append(_gravity(recording, readings))
     told = held + [fault for check in checks for fault in check]
     if cut:
         return told
-    told += _turning_rests(recording, readings)
-    if "offset" not in {fault.code for fault in told}:
+    told += turning
+    if not turning:
         told += _rolling_rests(recording, readings, stillness)
     if not told:
         told += _misfits(recording, readings)
@@ -220,9 +226,23 @@ def placed(flags: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
     return np.asarray(np.r_[np.zeros(count - len(flags), np.bool_), flags])
 
 
-def _halves(recording: Recording, readings: Readings) -> Iterator[Fault]:
-    """Signs, lag and scale of the gyroscope against the accelerometer."""
-    fit, whole = fit_halves(readings), np.ones(len(recording), np.bool_)
+def _halves(
+    recording: Recording,
+    readings: Readings,
+    stillness: StillnessSettings,
+    turning: Iterable[Fault] = (),
+) -> Iterator[Fault]:
+    """Signs, lag and scale of the gyroscope against the accelerometer.
+
+    One offset is taken for all rests. Where rests are told to turn, the rates without their offsets
+    are tried as well: a late half also turns at rest, an offset that changes also looks late.
+    """
+    whole = np.ones(len(recording), np.bool_)
+    fit = _with_own_rests(readings, fit_halves(readings), stillness)
+    for fault in turning:
+        if fault.repair is not None:
+            steady = fault.repair(recording).gyroscope(FRAME)[-len(readings.time_s) :]
+            fit = min(fit, fit_halves(readings._replace(gyr_radps=steady)), key=_left)
     label = f"{FRAME}_gyr"
     if fit.silent:
         yield fault_of(
@@ -253,13 +273,50 @@ def _halves(recording: Recording, readings: Readings) -> Iterator[Fault]:
             repair=partial(shifted, sensor=FRAME, lag_s=fit.lag_s, half="gyr"),
         )  # fmt: skip
     off = 1 / fit.scale - 1
-    if abs(off) > LEAST_SCALE and abs(fit.scale - 1) > SURE_TIMES * fit.scale_sd:
+    # Gravity along a wrong axis turns by up to as much too far, or too little.
+    unsure = abs(_gravity_at_rest(readings) / STANDARD_GRAVITY_MPS2 - 1)
+    if unsure <= OFF_GRAVITY_MPS2 / STANDARD_GRAVITY_MPS2:
+        unsure = 0.0
+    if abs(off) > LEAST_SCALE + unsure and abs(fit.scale - 1) > SURE_TIMES * fit.scale_sd:
         yield fault_of(
             recording, "scale", label, whole,
             f"reads {_scale_words(fit)} as far as tilts show it, and about the vertical, "
             "where nothing shows it, probably as well; calibrate it, or use another sensor",
             size=off, unit="1", repair=partial(_rates_scaled, factor=fit.scale),
         )  # fmt: skip
+
+
+def _left(fit: HalvesFit) -> float:
+    return fit.left
+
+
+def _with_own_rests(
+    readings: Readings, first: HalvesFit, stillness: StillnessSettings
+) -> HalvesFit:
+    """Fit with rests that are found anew after a lag is taken back, if it leaves far less.
+
+    Beside a late half a slow turn begins, or ends, in what passes for a rest.
+    """
+    fit, time_s = first, readings.time_s
+    for _ in range(NEW_RESTS):
+        if not fit.seen or fit.left < MUCH or (fit.signs < 0).any():
+            break
+        rates = np.column_stack(
+            [np.interp(time_s + fit.lag_s, time_s, axis) for axis in readings.gyr_radps.T]
+        )
+        moved = readings._replace(gyr_radps=rates)
+        still = find_stillness(
+            readings.acc_mps2, rates - moved.offset(), readings.rate_hz, stillness
+        )
+        new = fit_halves(moved._replace(still=still))
+        if (
+            not new.seen
+            or new.left > LESS_LEFT * fit.left
+            or abs(fit.lag_s + new.lag_s) > 2 * LARGEST_LAG_S
+        ):
+            break
+        fit = new._replace(lag_s=fit.lag_s + new.lag_s)
+    return fit
 
 
 def _scale_words(fit: HalvesFit) -> str:
@@ -311,11 +368,7 @@ def _rates_scaled(recording: Recording, factor: float) -> Recording:
 
 def _gravity(recording: Recording, readings: Readings) -> Iterator[Fault]:
     """An accelerometer that reads another gravity than the earth's."""
-    rests = runs_of(readings.still_and_known)
-    if not rests:
-        return
-    means = [readings.acc_mps2[rest].mean(axis=0) for rest in rests]
-    size = float(np.median(np.linalg.norm(means, axis=1)))
+    size = _gravity_at_rest(readings)
     if abs(size - STANDARD_GRAVITY_MPS2) <= OFF_GRAVITY_MPS2:
         return
     factor = STANDARD_GRAVITY_MPS2 / size
@@ -327,6 +380,13 @@ def _gravity(recording: Recording, readings: Readings) -> Iterator[Fault]:
         size=size - STANDARD_GRAVITY_MPS2, unit="m/s²",
         repair=partial(multiplied, sensor=FRAME, half="acc", factors=factor),
     )  # fmt: skip
+
+
+def _gravity_at_rest(readings: Readings) -> float:
+    """Median length of the rests' mean forces, m/s²; the earth's gravity if there is no rest."""
+    rests = runs_of(readings.still_and_known)
+    means = [readings.acc_mps2[rest].mean(axis=0) for rest in rests]
+    return float(np.median(np.linalg.norm(means, axis=1))) if rests else STANDARD_GRAVITY_MPS2
 
 
 def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:

@@ -391,7 +391,7 @@ def halted_flags(recording):
 def test_a_short_repetition_hides_no_other_fault_of_the_tilts(code):
     wrong = OTHERS[code](walked().tilts.recording)
     alone = {f.code for f in find_tilt_faults(wrong, walked().tape)}
-    wrong = halted(wrong, "acc", len(wrong) - 60, 30)
+    wrong = halted(wrong, "gyr", len(wrong) - 60, 30)
     assert {f.code for f in find_tilt_faults(wrong, walked().tape)} == alone | {"frozen"}
 
 
@@ -464,3 +464,51 @@ def test_a_gyroscope_that_says_nothing_is_told():
     assert "says nothing of it" in found.sentence and found.repair is None
     valid = valid_samples(estimate_trajectory(silent, walk.tape, walk.mount), told)
     assert not valid.any()
+
+
+# One cause, one fault.
+
+
+def with_rates(recording, more_radps):
+    imu = recording.sensor("frame")
+    new = replace(imu, gyr_radps=imu.gyr_radps + more_radps)
+    return Recording(recording.time_s, {"frame": new}, source="offset")
+
+
+@pytest.mark.parametrize("seed", [11, 12, 13])
+@pytest.mark.parametrize("way", ["jump", "drift"])
+def test_an_offset_that_changes_is_no_lag_and_no_scale(seed, way):
+    """One offset for all rests made the rates look late and too large."""
+    walk = clean_walk(seed, "realistic", with_sd=False)
+    recording = walk.walk.recording
+    part = (recording.time_s - recording.time_s[0]) / np.ptp(recording.time_s)
+    more = np.deg2rad(2.0) * (part > 0.3) if way == "jump" else np.deg2rad(3.0) * part
+    for axis in np.eye(3):
+        told = find_faults(with_rates(recording, np.outer(more, axis)), walk.tape, walk.mount)
+        codes = {f.code for f in told}
+        assert "offset" in codes and not codes & {"lag", "scale", "reversed"}, codes
+
+
+@pytest.mark.parametrize("seed", [12, 13, 14])
+@pytest.mark.parametrize("lag", [0.3, -0.3])
+def test_a_late_half_of_the_tilts_is_named_and_no_scale(seed, lag):
+    """Slow tilts begin in what passes for a rest beside a late half."""
+    walk = clean_walk(seed, "realistic", with_sd=False)
+    late = inject.late_half(walk.tilts.recording, "frame", "gyr", lag)
+    told = find_tilt_faults(late, walk.tape)
+    assert "scale" not in {f.code for f in told}
+    (found,) = [f for f in told if f.code == "lag"]
+    assert found.size == pytest.approx(lag, abs=0.07)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_an_axis_of_the_accelerometer_with_another_scale_is_no_fault_of_the_gyroscope(axis):
+    walk = walked()
+    factors = np.where(np.arange(3) == axis, 1.1, 1.0)
+    for recording, told in (
+        (walk.walk.recording, lambda r: find_faults(r, walk.tape, walk.mount)),
+        (walk.tilts.recording, lambda r: find_tilt_faults(r, walk.tape)),
+    ):
+        wrong = inject.scale(recording, "frame", "acc", factors)
+        codes = {f.code for f in told(wrong)}
+        assert not codes & {"scale", "lag", "reversed"}, codes
