@@ -238,7 +238,7 @@ def _halves(
     are tried as well: a late half also turns at rest, an offset that changes also looks late.
     """
     whole = np.ones(len(recording), np.bool_)
-    fit = _with_own_rests(readings, fit_halves(readings), stillness)
+    fit = _with_own_rests(readings, recording.sampling_rate_hz, stillness)
     for fault in turning:
         if fault.repair is not None:
             steady = fault.repair(recording).gyroscope(FRAME)[-len(readings.time_s) :]
@@ -290,14 +290,12 @@ def _left(fit: HalvesFit) -> float:
     return fit.left
 
 
-def _with_own_rests(
-    readings: Readings, first: HalvesFit, stillness: StillnessSettings
-) -> HalvesFit:
-    """Fit with rests that are found anew after a lag is taken back, if it leaves far less.
+def _with_own_rests(readings: Readings, rate_hz: float, stillness: StillnessSettings) -> HalvesFit:
+    """Fit of the halves, with rests found anew after a lag is taken back, if that leaves far less.
 
     Beside a late half a slow turn begins, or ends, in what passes for a rest.
     """
-    fit, time_s = first, readings.time_s
+    fit, time_s = fit_halves(readings), readings.time_s
     for _ in range(NEW_RESTS):
         if not fit.seen or fit.left < MUCH or (fit.signs < 0).any():
             break
@@ -305,9 +303,7 @@ def _with_own_rests(
             [np.interp(time_s + fit.lag_s, time_s, axis) for axis in readings.gyr_radps.T]
         )
         moved = readings._replace(gyr_radps=rates)
-        still = find_stillness(
-            readings.acc_mps2, rates - moved.offset(), readings.rate_hz, stillness
-        )
+        still = find_stillness(readings.acc_mps2, rates - moved.offset(), rate_hz, stillness)
         new = fit_halves(moved._replace(still=still))
         if (
             not new.seen
@@ -475,9 +471,10 @@ def _rolling_rests(
     Of rests that are known, the ends count as far as the detector finds them still as well: there
     the frame lands, and is lifted.
     """
-    quiet = find_stillness(
-        readings.acc_mps2, readings.gyr_radps - readings.offset(), readings.rate_hz, stillness
-    )
+    quiet = np.zeros(len(readings.time_s), np.bool_)
+    for offset in (np.zeros(3), readings.offset()):  # the detector takes off large ones alone
+        rates = readings.gyr_radps - offset
+        quiet |= find_stillness(readings.acc_mps2, rates, recording.sampling_rate_hz, stillness)
     inner = np.zeros(len(quiet), np.bool_)
     for rest in runs_of(readings.still):
         if quiet[rest].any():

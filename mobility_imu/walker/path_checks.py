@@ -30,6 +30,9 @@ LONGEST_STEP_M, LONG_STEPS = 0.8, 2
 """Nobody sets a frame down further ahead than an arm reaches."""
 ASIDE_DEG, FEWEST_STEPS, LEAST_STEP_M, LEAST_WAY_M = 4.0, 5, 0.1, 2.0
 """Steps go forward: on 16 real walks the way goes within 2.6 deg of it."""
+GROSS_SCALE = 0.5
+"""A path from rates that are so far off, or that say nothing, shows neither mount nor manner. Our
+choice, not swept."""
 LONG_MOVE_WORDS, START_WORDS = "no rest for more than", "the frame moves at the start"
 LEAN_WORDS, ODDS_WORDS = "the frame leans by", "as far from what the filter expects"
 FAR_WORDS = "far off a frame"
@@ -70,7 +73,8 @@ def faults_of_path(
                 told.append(_stated("at odds", placed(found.stationary, count), said, recording))
         elif FAR_WORDS in text:
             told.append(_stated("mount", whole, said, recording))
-    if "reversed" in codes:
+    gross = any(f.code == "scale" and not abs(f.size) < GROSS_SCALE for f in known)
+    if "reversed" in codes or gross:
         return told
     usable = _without_lost(found, samples_lost(known, count)[late:])
     if not usable[~found.stationary].any():

@@ -70,6 +70,9 @@ accelerometer's (1 %, data sheets of cheap sensors). The last two are fitted so 
 pass for the first two; a frame that turns makes them all look alike."""
 LEAST = NO_ERROR - np.array([LARGEST_LAG_S, 0.99, *[1.0] * 3, *[0.1] * 3])
 MOST = NO_ERROR + np.array([LARGEST_LAG_S, 99.0, *[1.0] * 3, *[0.1] * 3])
+NO_MORE = 1.5
+"""Median rate in the moves, in times of that at rest, up to which a gyroscope says nothing. Our
+choice, not swept."""
 MUCH = 8.0
 """Mean misfit, in usual ones, that a gyroscope has to explain. Of 10 simulated walks it is 13.5 to
 17.6 without a gyroscope, and 1.7 to 4.8 with a sound one."""
@@ -276,8 +279,7 @@ class HalvesFit(NamedTuple):
     signs : (3,) array, best signs of the gyroscope's axes
     lag_s, lag_sd_s : s, by which the gyroscope comes late
     scale, scale_sd : 1, what the rates have to be multiplied by
-    silent : gravity turns in the moves, and the gyroscope says nothing of it, whatever its signs,
-        lag and scale
+    silent : gravity turns in the moves, and the gyroscope reads no more there than at rest
     left : mean misfit that the best fit leaves, in usual ones
     """
 
@@ -346,9 +348,17 @@ def fit_halves(readings: Readings) -> HalvesFit:
         found = np.clip(found + change, LEAST, MOST)
     left = _size(at(found))
     if left > CLEARLY * without:
-        return UNSEEN._replace(silent=min(left, stated, *sizes) > MUCH, left=left)
+        return UNSEEN._replace(silent=without > MUCH and _says_nothing(readings), left=left)
     lag, scale = found[:2].tolist()
     return HalvesFit(True, np.ones(3), lag, float(sd[0]), scale, float(sd[1]), left=left)
+
+
+def _says_nothing(readings: Readings) -> bool:
+    """Whether a gyroscope reads in the moves no more than at rest."""
+    size = np.linalg.norm(readings.gyr_radps - readings.offset(), axis=1)
+    lost = np.zeros(len(size), np.bool_) if readings.lost is None else readings.lost
+    moves, rests = size[~readings.still & ~lost], size[readings.still_and_known]
+    return bool(len(moves) and len(rests) and np.median(moves) < NO_MORE * np.median(rests))
 
 
 def _descents(
