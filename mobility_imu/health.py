@@ -8,16 +8,27 @@ whose signs do not fit the accelerometer beside it, two sensors with the same da
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
-from mobility_imu.faults import Fault, Repair, interpolated, multiplied, widened
+from mobility_imu.faults import (
+    Fault,
+    Repair,
+    half_of,
+    interpolated,
+    multiplied,
+    widened,
+    with_half,
+)
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.quality import (
+    QUIET_SAMPLES,
+    SHORTEST_FROZEN_S,
     frozen_samples,
     pinned_axes,
     same_as_before,
@@ -33,6 +44,18 @@ TURNED_MPS2 = 1.0
 """Change of the accelerations, in a second or so, that comes with a turn (6 deg of tilt)."""
 FEWEST_VALUES = 20
 """An axis that never changes is dead if another one of its sensor takes more values than this."""
+SHORTEST_STUCK = 25
+"""Equal readings of one axis, and at least as long as a whole half has to repeat itself. With noise
+of one step the next reading is the same with a chance of 0.38 at most: 25 come once in 10^10."""
+OWN_STEPS, MOST_REPEATS, OWN_TURNS = 1.0, 0.4, 0.2
+"""An axis changes by its own noise if its mean change, where the others are as quiet, is a step or
+more, it seldom repeats itself there, and turns back often: white noise does so in two of three
+samples, a smooth motion without noise hardly ever. Our choice, not swept."""
+MOST_OF_ALL = 0.7
+"""... and if more than this part of its repetitions are so: coarse steps that were interpolated
+look fine between the rests, but an axis at rest repeats itself in each."""
+FEWEST_BESIDE = 100
+"""Changes elsewhere, at least, by which an axis' noise is judged."""
 SPIKE_MPS2, SPIKE_RADPS = 100.0, 10.0
 """One reading that leaves both neighbours by more, while these agree, is no movement: a hand or a
 wheel needs more than two samples for it."""
@@ -75,9 +98,9 @@ def examine(recording: Recording) -> tuple[Fault, ...]:
     for name, imu in recording.sensors.items():
         own = list(_halves(recording, name, imu))
         found += own
-        broken = any(fault.code in ("frozen", "dead axis") for fault in own)
-        if imu.gyr_radps is not None and not broken:
-            found += _reversed(recording, name, imu.acc_mps2, imu.gyr_radps)
+        if imu.gyr_radps is not None:
+            lost = samples_lost(own, len(recording))
+            found += _reversed(recording, name, imu.acc_mps2, imu.gyr_radps, lost)
     found += _copies(recording)
     return tuple(found)
 
@@ -113,6 +136,7 @@ def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:
                 f"is {values[0, k]:g} {unit} throughout, while other axes move: it is dead; "
                 "use another sensor",
             )  # fmt: skip
+        yield from _stuck(recording, name, half, frozen, unit)
         far = single_spikes(values, spike)
         if far.any():
             largest = float(np.abs(values[far]).max())
@@ -218,6 +242,108 @@ def _dead_axes(values: FloatArray) -> list[int]:
     return [k for k, n in enumerate(counts) if n == 1 and max(counts) > FEWEST_VALUES]
 
 
+def samples_lost(faults: Iterable[Fault], count: int) -> NDArray[np.bool_]:
+    """Samples in which a half or an axis says nothing: it is frozen, or dead.
+
+    Parameters
+    ----------
+    faults : Fault
+    count : samples of the recording
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    lost = np.zeros(count, np.bool_)
+    for fault in faults:
+        if fault.code in ("frozen", "dead axis"):
+            lost |= fault.flags
+    return lost
+
+
+def _stuck(
+    recording: Recording, name: str, half: str, frozen: NDArray[np.bool_], unit: str
+) -> Iterator[Fault]:
+    """Axes that say one number for some time, while their noise should change it."""
+    values, rate = half_of(recording, name, half), recording.sampling_rate_hz
+    for k, stuck in enumerate(stuck_axes(values, rate, skip=frozen).T):
+        if not stuck.any():
+            continue
+        number = values[int(np.argmax(stuck)), k]
+        yield fault_of(
+            recording, "dead axis", f"{name}_{half}_{'xyz'[k]}", stuck,
+            f"stays at {number:.4g} {unit}, which its noise alone would change: it says nothing "
+            "there; leave these times out, or use another sensor",
+            size=float(stuck.sum() / rate), unit="s",
+            repair=partial(_axis_bridged, sensor=name, half=half, axis=k, flags=stuck),
+        )  # fmt: skip
+
+
+def _axis_bridged(
+    recording: Recording, sensor: str, half: str, axis: int, flags: NDArray[np.bool_]
+) -> Recording:
+    """Recording in which samples of one axis are lines between their neighbours."""
+    values = np.array(half_of(recording, sensor, half))
+    bridged = interpolated(recording, sensor, half, flags)
+    values[:, axis] = half_of(bridged, sensor, half)[:, axis]
+    return with_half(recording, sensor, half, values)
+
+
+def stuck_axes(
+    values: FloatArray, sampling_rate_hz: float, *, skip: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Where single axes repeat their last reading, although their own noise would change it.
+
+    An axis' noise is what it does elsewhere while the other axes are as quiet as here, or quieter.
+    One with steps that are coarse against its noise is not judged, nor one without noise, nor where
+    it is at the end of its range.
+
+    Parameters
+    ----------
+    values : (n, 3) array
+    sampling_rate_hz : Hz
+    skip : (n,) bool array, samples that are not looked at: where all axes are frozen
+
+    Returns
+    -------
+    (n, 3) bool array
+    """
+    stuck = np.zeros(values.shape, np.bool_)
+    if len(values) < SHORTEST_STUCK:
+        return stuck
+    shortest = max(SHORTEST_STUCK, round(SHORTEST_FROZEN_S * sampling_rate_hz)) - 1
+    change = np.diff(values, axis=0, prepend=values[:1])
+    scale = np.abs(change).mean(axis=0)
+    busy = ndimage.uniform_filter1d(
+        np.abs(change) / np.where(scale > 0, scale, 1.0), QUIET_SAMPLES, axis=0, mode="nearest"
+    )
+    for k, axis in enumerate(values.T):
+        at_end = (axis == axis.max()) | (axis == axis.min())
+        at_end &= np.abs(axis) > 0.9 * np.abs(axis).max()
+        same = long_runs((change[:, k] == 0) & ~skip & ~at_end, shortest, grow=True)
+        if not same.any() or np.ptp(axis) == 0:
+            continue
+        step = float(np.percentile(np.diff(np.unique(axis)), 10))
+        others = np.delete(busy, k, axis=1).sum(axis=1)
+        free = ~(same | skip)
+        free[1:] &= free[:-1].copy()
+        free[0] = False
+        told = np.zeros(len(values), np.bool_)
+        for run in runs_of(same):
+            beside = change[free & (others <= np.median(others[run])), k]
+            if len(beside) < FEWEST_BESIDE:
+                continue
+            turns = (beside[1:] * beside[:-1] < 0).mean()
+            told[run] = (
+                np.abs(beside).mean() >= OWN_STEPS * step
+                and (beside == 0).mean() < MOST_REPEATS
+                and turns > OWN_TURNS
+            )
+        if told.sum() > MOST_OF_ALL * same.sum():
+            stuck[:, k] = told
+    return stuck
+
+
 def single_spikes(values: FloatArray, least: float) -> NDArray[np.bool_]:
     """Single readings far from both neighbours, which agree.
 
@@ -249,11 +375,13 @@ def _pinned(values: FloatArray) -> NDArray[np.bool_]:
     return np.asarray(((size == size.max(axis=0)) & pinned_axes(values)).any(axis=1))
 
 
-def _reversed(recording: Recording, name: str, acc: FloatArray, gyr: FloatArray) -> Iterator[Fault]:
+def _reversed(
+    recording: Recording, name: str, acc: FloatArray, gyr: FloatArray, lost: NDArray[np.bool_]
+) -> Iterator[Fault]:
     """A gyroscope whose signs do not fit: gravity turns in the sensor's axes by -rate x force.
 
     All eight choices of signs are tried; accelerations only add noise to each. Signs of axes that
-    hardly turn change nothing, and are not judged.
+    hardly turn change nothing, and are not judged. Changes over samples that are lost do not count.
     """
     rate_hz = recording.sampling_rate_hz
     smooth = max(1, round(SMOOTHED_S * rate_hz))
@@ -264,6 +392,7 @@ def _reversed(recording: Recording, name: str, acc: FloatArray, gyr: FloatArray)
         np.column_stack([np.convolve(column, kernel, "valid") for column in values.T])
         for values in (acc, *sums)
     )
+    gone = np.r_[0, np.cumsum(lost)]
     verdicts = []
     for span_s in SPANS_S:
         span = max(1, round(span_s * rate_hz))
@@ -274,6 +403,7 @@ def _reversed(recording: Recording, name: str, acc: FloatArray, gyr: FloatArray)
         calm = np.abs(np.linalg.norm(force, axis=1) - STANDARD_GRAVITY_MPS2) < LARGEST_PUSH_MPS2
         turning = np.linalg.norm(parts.sum(axis=0), axis=1) > LEAST_CHANGE_MPS2
         turning &= calm[span:] & calm[:-span]
+        turning &= gone[span + smooth - 1 :][1:] == gone[: -(span + smooth)]
         if turning.sum() < LEAST_TURNING_S * rate_hz:
             continue
         fits = {

@@ -5,7 +5,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from mobility_imu.health import examine
+from mobility_imu.faults import half_of
+from mobility_imu.health import examine, stuck_axes
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation.levels import LEVELS, MOUNTS
 from mobility_imu.simulation.scooter import COURSES, draw_driver, draw_scooter, simulate_ride
@@ -56,6 +57,67 @@ CHANGES = {
     "a spike": ("spike", {"acc": lambda v: spiked(v, 300.0)}),
     "a spike in a rate": ("spike", {"gyr": lambda v: spiked(v, 34.0)}),
 }
+
+
+STRETCHES = {"from half on": (0.5, None), "for 3 s": (0.5, 300), "for 0.4 s": (0.33, 40)}
+
+
+def hold_axis(values, axis, part, count):
+    begin = int(part * len(values))
+    values[begin : None if count is None else begin + count, axis] = values[begin, axis]
+    return values
+
+
+@pytest.mark.parametrize("device", DEVICES)
+@pytest.mark.parametrize("stretch", STRETCHES)
+def test_an_axis_that_dies_in_between_is_told_for_its_own_samples(device, stretch):
+    part, count = STRETCHES[stretch]
+    recording = clean(device, 1)
+    for sensor in sensors(device):
+        for half in ("acc", "gyr"):
+            for axis in range(3):
+                how = {half: lambda v, axis=axis: hold_axis(v, axis, part, count)}
+                (found,) = examine(changed(recording, sensor, **how))
+                assert (found.code, found.sensor) == ("dead axis", f"{sensor}_{half}_{'xyz'[axis]}")
+                begin = int(part * len(recording))
+                assert found.flags[begin : begin + 40].all()
+                assert found.samples - (count or len(recording) - begin) in (0, 1)
+                assert "which its noise alone would change" in found.sentence
+
+
+@pytest.mark.parametrize("device", DEVICES)
+@pytest.mark.parametrize("step", [0.01, 0.05, 0.2])
+def test_an_axis_with_coarse_steps_is_not_stuck(device, step):
+    """Whatever its noise is against its steps: at rest it says one number for seconds."""
+    for seed in SEEDS:
+        recording = clean(device, seed)
+        for sensor in sensors(device):
+            for half in ("acc", "gyr"):
+                values = half_of(recording, sensor, half)
+                coarse = step * np.round(values / step)
+                none = np.zeros(len(values), np.bool_)
+                assert not stuck_axes(coarse, recording.sampling_rate_hz, skip=none).any()
+
+
+def test_an_axis_without_noise_is_not_stuck():
+    """A drive that turns now and then, of a sensor that makes no errors."""
+    time_s = np.arange(0, 30, 0.01)
+    turn = np.where((time_s % 10) > 5, np.sin(2 * np.pi * time_s / 5), 0.0)
+    values = np.column_stack([np.sin(3 * time_s), turn, np.cos(2 * time_s)])
+    assert not stuck_axes(values, 100.0, skip=np.zeros(len(values), np.bool_)).any()
+
+
+def test_signs_are_judged_beside_a_short_repetition():
+    """What is frozen for 0.3 s is left out, not all of the recording."""
+    recording = clean("wheelchair", 1)
+
+    def change(values):
+        values = -values
+        values[-30:] = values[-30]
+        return values
+
+    found = examine(changed(recording, "left_wheel", gyr=change))
+    assert sorted(f.code for f in found) == ["frozen", "reversed"]
 
 
 def hold(values, part):

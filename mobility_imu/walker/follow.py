@@ -27,8 +27,12 @@ __all__ = ["checked_options", "navigate_recording"]
 LATEST_REST_S = 5.0
 """The first rest has to begin within this time."""
 LEAST_RATE_HZ = 10.0
-MOST_NIS = 2.0
-"""Mean normalised innovation of the rests above which a warning is given."""
+MOST_NIS, NIS_RATE_HZ = 2.0, 80.0
+"""Mean normalised innovation of the rests above which a warning is given, and the rate below which
+a sample counts for less. What is wrong throughout a rest is as large at any rate, but the noise
+that it is held against is less in a longer sample. The limit stands on real walks at 80 Hz and
+simulated ones at 100 Hz. Of 16 simulated walks, held against the same time, each has 0.42 to 0.65,
+the same within 0.06 with every second to every eighth sample alone."""
 LARGEST_ACC_MPS2 = 200.0
 """The usual sensors end at 16 g, 157 m/s²; a single reading beyond this is damaged."""
 _STEADY_RADPS = 0.01
@@ -250,7 +254,8 @@ def _inconsistent_rests(path: Navigation, source: str) -> list[str]:
     updates = int(path.nis_dof.sum())
     # What is wrong throughout a rest is measured by a stride's noise, less than a sample's.
     strides, samples = np.count_nonzero(path.nis_dof), np.count_nonzero(path.still)
-    nis = path.nis.sum() / updates * strides / samples if updates else 0.0
+    whole = min(1.0, 1 / (float(np.median(np.diff(path.time_s))) * NIS_RATE_HZ)) if updates else 0.0
+    nis = path.nis.sum() / updates * strides / samples * whole if updates else 0.0
     if nis <= MOST_NIS:
         return []
     excess = f"{source}: the rests are {np.sqrt(nis):.1f} times as far from what the filter expects"

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, turned_back
-from mobility_imu.health import fault_of
+from mobility_imu.health import fault_of, samples_lost
 from mobility_imu.recording import Recording
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.fault_checks import BROKEN, FRAME, placed
+from mobility_imu.walker.fault_checks import FRAME, placed
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.rest_checks import shortest_turns
 from mobility_imu.walker.steps import find_steps
@@ -30,6 +30,9 @@ LONGEST_STEP_M, LONG_STEPS = 0.8, 2
 """Nobody sets a frame down further ahead than an arm reaches."""
 ASIDE_DEG, FEWEST_STEPS, LEAST_STEP_M, LEAST_WAY_M = 4.0, 5, 0.1, 2.0
 """Steps go forward: on 16 real walks the way goes within 2.6 deg of it."""
+GROSS_SCALE = 0.5
+"""A path from rates that are so far off, or that say nothing, shows neither mount nor manner. Our
+choice, not swept."""
 LONG_MOVE_WORDS, START_WORDS = "no rest for more than", "the frame moves at the start"
 LEAN_WORDS, ODDS_WORDS = "the frame leans by", "as far from what the filter expects"
 FAR_WORDS = "far off a frame"
@@ -70,14 +73,18 @@ def faults_of_path(
                 told.append(_stated("at odds", placed(found.stationary, count), said, recording))
         elif FAR_WORDS in text:
             told.append(_stated("mount", whole, said, recording))
-    if codes & {*BROKEN, "reversed"}:
+    gross = any(f.code == "scale" and not abs(f.size) < GROSS_SCALE for f in known)
+    if "reversed" in codes or gross:
+        return told
+    usable = _without_lost(found, samples_lost(known, count)[late:])
+    if not usable[~found.stationary].any():
         return told
     if found.settings.zero_rate:  # settings of a foot are without
-        told += _foot(recording, found)
+        told += _foot(recording, found, usable)
     if not {fault.code for fault in told} & {"foot", "no rest"}:
-        told += _far_steps(recording, found)
+        told += _far_steps(recording, found, usable)
     if not {fault.code for fault in told} & {"foot", "no rest", "rolls"}:
-        told += _aside(recording, found, mount)
+        told += _aside(recording, found, mount, usable)
     return told
 
 
@@ -142,9 +149,20 @@ def _leaning(recording: Recording, found: Trajectory, mount: WalkerMount, said: 
     )
 
 
-def _foot(recording: Recording, found: Trajectory) -> Iterator[Fault]:
+def _without_lost(found: Trajectory, lost: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Samples of a path but for those of moves in or beside which readings are lost.
+
+    A rest brings tilt and velocity back, so that the next move shows the frame as it is.
+    """
+    usable = np.ones(len(found), np.bool_)
+    for move in runs_of(~found.stationary):
+        usable[move] = not lost[max(0, move.start - 1) : move.stop + 1].any()
+    return usable
+
+
+def _foot(recording: Recording, found: Trajectory, usable: NDArray[np.bool_]) -> Iterator[Fault]:
     """Tilts that no frame makes."""
-    upright = found.rotation_body_to_world[:, 2, 2]
+    upright = np.where(usable, found.rotation_body_to_world[:, 2, 2], 1.0)
     flags = upright < np.cos(np.deg2rad(FOOT_DEG))
     if flags.any():
         largest = float(np.rad2deg(np.arccos(np.clip(upright.min(), -1, 1))))
@@ -157,10 +175,12 @@ def _foot(recording: Recording, found: Trajectory) -> Iterator[Fault]:
         )  # fmt: skip
 
 
-def _far_steps(recording: Recording, found: Trajectory) -> Iterator[Fault]:
+def _far_steps(
+    recording: Recording, found: Trajectory, usable: NDArray[np.bool_]
+) -> Iterator[Fault]:
     """Moves from stand to stand that are too far for a frame that is set down."""
     flags, longest, often = np.zeros(len(found), np.bool_), 0.0, 0
-    for move in runs_of(~found.stationary):
+    for move in runs_of(~found.stationary & usable):
         way = found.position_m[min(move.stop, len(found) - 1)] - found.position_m[move.start]
         length = float(np.hypot(*way[:2]))
         if length > LONGEST_STEP_M:
@@ -174,13 +194,18 @@ def _far_steps(recording: Recording, found: Trajectory) -> Iterator[Fault]:
         )  # fmt: skip
 
 
-def _aside(recording: Recording, found: Trajectory, mount: WalkerMount) -> Iterator[Fault]:
+def _aside(
+    recording: Recording, found: Trajectory, mount: WalkerMount, usable: NDArray[np.bool_]
+) -> Iterator[Fault]:
     """Steps that go aside or backward: the mount is turned about the vertical."""
     try:
         steps = find_steps(found)
     except InputError:
         return
     far = steps.length_m > LEAST_STEP_M
+    lift, place = (np.searchsorted(found.time_s, each) for each in (steps.lift_s, steps.place_s))
+    spoilt = np.r_[0, np.cumsum(~usable)]
+    far &= spoilt[np.minimum(place + 1, len(found))] == spoilt[np.maximum(lift - 1, 0)]
     if np.count_nonzero(far) < FEWEST_STEPS:
         return
     heading = np.interp(steps.lift_s, found.time_s, found.yaw_rad)

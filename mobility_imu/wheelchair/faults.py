@@ -228,7 +228,8 @@ def _witnesses(
     """Witnesses of a recording in which what each sensor shows by itself is mended."""
     own, failed = list(own), _failed(recording, geometry, mount)
     mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
-    mute |= {_parts(fault.sensor)[0] for fault in own if fault.code == "dead axis"}
+    dead = [f for f in own if f.code == "dead axis" and f.flags.mean() > MUTE_PART]
+    mute |= {_parts(fault.sensor)[0] for fault in dead}
     touched = np.any([f.flags for f in own if not f.flags.all()] + [*failed.values()], axis=0)
     return Witnesses(
         all_repaired(own, recording),

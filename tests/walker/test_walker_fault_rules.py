@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Cost, Fault, all_repaired, multiplied
 from mobility_imu.health import examine
-from mobility_imu.recording import Recording
+from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_kinds import clean_walk
 from mobility_imu.simulation import faults as inject
 from mobility_imu.walker import (
@@ -29,6 +29,7 @@ from mobility_imu.walker import (
 from mobility_imu.walker import faults as walker_faults
 from mobility_imu.walker.fault_checks import faults_of_readings, with_reach
 from mobility_imu.walker.faults import not_told
+from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
 from mobility_imu.walker.rest_checks import HalvesFit, Readings
 
@@ -313,3 +314,201 @@ def test_each_sentence_says_what_to_do():
     mount = replace(walk.mount, rotation_imu_to_body=leans @ body)
     told = find_faults(walk.walk.recording, walk.tape, mount)
     assert "calibrate the mount again" in next(f for f in told if f.code == "turned").sentence
+
+
+# What says nothing for some time hides nothing of the rest.
+
+
+def halted(recording, half, begin, count, axis=slice(None)):
+    """Recording of which a half, or an axis of it, repeats a reading from a sample on."""
+    imu = recording.sensor("frame")
+    values = {"acc": imu.acc_mps2.copy(), "gyr": imu.gyr_radps.copy()}
+    values[half][begin : begin + count, axis] = values[half][begin, axis]
+    new = replace(imu, acc_mps2=values["acc"], gyr_radps=values["gyr"])
+    return Recording(recording.time_s, {"frame": new}, source="halted")
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("half", ["acc", "gyr"])
+def test_an_axis_that_dies_in_a_walk_is_the_one_fault_and_lasts(half, axis):
+    """No other cause is told, and what comes after it is not valid."""
+    walk, begin = walked(), len(walked().walk.recording) // 2
+    wrong = halted(walk.walk.recording, half, begin, begin, axis)
+    (found,) = [f for f in find_faults(wrong, walk.tape, walk.mount) if f.code != "at odds"]
+    assert (found.code, found.sensor) == ("dead axis", f"frame_{half}_{'xyz'[axis]}")
+    assert found.repair is None and "is not known" in found.sentence
+    valid = valid_samples(estimate_trajectory(wrong, walk.tape, walk.mount), [found])
+    late = len(wrong) - len(valid)
+    assert valid[: begin - late - 2].all() and not valid[begin - late + 1 :].any()
+
+
+def test_an_axis_that_dies_in_the_tilts_is_told():
+    tilts = walked().tilts.recording
+    wrong = halted(tilts, "acc", 500, 300, 2)
+    told = find_tilt_faults(wrong, walked().tape)
+    assert told[0].code == "dead axis" and told[0].sensor == "frame_acc_z"
+
+
+OTHERS = {
+    "lag": lambda r: inject.late_half(r, "frame", "gyr", 0.15),
+    "scale": lambda r: inject.scale(r, "frame", "gyr", 1.2),
+    "reversed": lambda r: inject.reverse(r, "frame"),
+    "gravity": lambda r: inject.scale(r, "frame", "acc", 1.1),
+}
+
+
+@pytest.mark.parametrize("half", ["acc", "gyr"])
+@pytest.mark.parametrize("code", OTHERS)
+def test_a_short_repetition_hides_no_other_fault(code, half):
+    """0.3 s in the last rest."""
+    walk = walked()
+    wrong = OTHERS[code](walk.walk.recording)
+    wrong = halted(wrong, half, len(wrong) - 60, 30)
+    told = {f.code for f in find_faults(wrong, walk.tape, walk.mount)} - {"at odds"}
+    # A late half looks like a frozen accelerometer, which is not told then.
+    assert told == ({code} if (code, half) == ("lag", "acc") else {code, "frozen"})
+
+
+def test_a_short_repetition_hides_no_jump_and_no_turned_mount():
+    walk = walked()
+    turn = Rotation.from_rotvec(np.deg2rad([0, 0, 20])).as_matrix()
+    mount = replace(walk.mount, rotation_imu_to_body=turn @ walk.mount.rotation_imu_to_body)
+    wrong = halted(walk.walk.recording, "gyr", len(walk.walk.recording) - 60, 30)
+    assert {f.code for f in find_faults(wrong, walk.tape, mount)} == {"frozen", "turned"}
+    rates = wrong.gyroscope("frame").copy()
+    rates[(wrong.time_s > 25) & ~halted_flags(wrong)] += np.deg2rad([1.0, 0.0, 1.0])
+    imu = replace(wrong.sensor("frame"), gyr_radps=rates)
+    jumps = Recording(wrong.time_s, {"frame": imu}, source="jumps")
+    told = {f.code for f in find_faults(jumps, walk.tape, walk.mount)}
+    assert {"frozen", "offset"} <= told
+
+
+def halted_flags(recording):
+    return np.abs(np.arange(len(recording)) - len(recording) + 45) < 15
+
+
+@pytest.mark.parametrize("code", ["lag", "scale"])
+def test_a_short_repetition_hides_no_other_fault_of_the_tilts(code):
+    wrong = OTHERS[code](walked().tilts.recording)
+    alone = {f.code for f in find_tilt_faults(wrong, walked().tape)}
+    wrong = halted(wrong, "gyr", len(wrong) - 60, 30)
+    assert {f.code for f in find_tilt_faults(wrong, walked().tape)} == alone | {"frozen"}
+
+
+@pytest.mark.parametrize("every", [2, 4, 5, 8])
+@pytest.mark.parametrize("level", ["realistic", "real"])
+def test_a_low_sampling_rate_is_no_fault(level, every):
+    """What the rests are off is held against the same time, not against a sample."""
+    walk = clean_walk(11, level, with_sd=False)
+    whole, imu = walk.walk.recording, walk.walk.recording.sensor("frame")
+    part = Imu(imu.acc_mps2[::every], imu.gyr_radps[::every])
+    slow = Recording(whole.time_s[::every], {"frame": part}, source="slow")
+    told = find_faults(slow, walk.tape, walk.mount)
+    assert "at odds" not in {f.code for f in told}, [f.sentence for f in told]
+    assert not [w for w in navigate_recording(slow)[1] if ODDS_WORDS in w]
+
+
+@pytest.mark.parametrize("seed", [11, 12, 13, 14])
+def test_true_rests_that_are_given_do_not_roll(seed):
+    """Their ends land and lift; the detector shaves these off, who gives the rests does not."""
+    walk = clean_walk(seed, "real", with_sd=False)
+    told = find_faults(walk.walk.recording, walk.tape, walk.mount, rests=walk.walk.stationary)
+    assert "rolls" not in {f.code for f in told}, [f.sentence for f in told]
+
+
+def test_a_walk_without_a_fault_has_no_lag():
+    """Four standard deviations of the lags of sound walks."""
+    for lag, told in ((0.055, False), (0.1, True)):
+        late = inject.late_half(walked().walk.recording, "frame", "gyr", lag)
+        codes = {f.code for f in find_faults(late, walked().tape, walked().mount)}
+        assert ("lag" in codes) == told
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (1 / 57.3, "times too little"),
+        (0.1, "times too little"),
+        (6.0, "times too much"),
+    ],
+)
+def test_a_gyroscope_in_another_unit_is_told_with_its_size(factor, words):
+    """And no lag beside it. Six times the rates leave short rests, and a scale of 12 %."""
+    walk = walked()
+    wrong = inject.scale(walk.walk.recording, "frame", "gyr", factor)
+    told = find_faults(wrong, walk.tape, walk.mount)
+    assert not {f.code for f in told} & {"lag", "turned", "foot"}
+    (found,) = [f for f in told if f.code == "scale"]
+    assert found.size + 1 == pytest.approx(factor, rel=0.15)
+    assert words in found.sentence and ("deg/s" in found.sentence) == (factor < 0.05)
+
+
+def test_a_scale_at_the_end_of_what_is_looked_for_is_a_bound(monkeypatch):
+    fit = HalvesFit(True, np.ones(3), scale=rest_checks.MOST[1], scale_sd=0.5)
+    monkeypatch.setattr(fault_checks, "fit_halves", lambda readings: fit)
+    recording = walked().walk.recording
+    (found,) = faults_of_readings(recording, readings_of(recording), [], StillnessSettings())
+    assert "100 times or more too little" in found.sentence
+
+
+def test_a_gyroscope_that_says_nothing_is_told():
+    """Noise alone, as of a sensor that lies beside the frame."""
+    walk = walked()
+    imu, rng = walk.walk.recording.sensor("frame"), np.random.default_rng(1)
+    rates = rng.normal(0.0, 0.002, imu.gyr_radps.shape)
+    silent = Recording(
+        walk.walk.recording.time_s, {"frame": replace(imu, gyr_radps=rates)}, source="silent"
+    )
+    told = find_faults(silent, walk.tape, walk.mount)
+    (found,) = [f for f in told if f.code == "scale"]
+    assert "says nothing of it" in found.sentence and found.repair is None
+    valid = valid_samples(estimate_trajectory(silent, walk.tape, walk.mount), told)
+    assert not valid.any()
+
+
+# One cause, one fault.
+
+
+def with_rates(recording, more_radps):
+    imu = recording.sensor("frame")
+    new = replace(imu, gyr_radps=imu.gyr_radps + more_radps)
+    return Recording(recording.time_s, {"frame": new}, source="offset")
+
+
+@pytest.mark.parametrize("seed", [11, 12, 13])
+@pytest.mark.parametrize("way", ["jump", "drift"])
+def test_an_offset_that_changes_is_no_lag_and_no_scale(seed, way):
+    """One offset for all rests made the rates look late and too large."""
+    walk = clean_walk(seed, "realistic", with_sd=False)
+    recording = walk.walk.recording
+    part = (recording.time_s - recording.time_s[0]) / np.ptp(recording.time_s)
+    more = np.deg2rad(2.0) * (part > 0.3) if way == "jump" else np.deg2rad(3.0) * part
+    for axis in np.eye(3):
+        told = find_faults(with_rates(recording, np.outer(more, axis)), walk.tape, walk.mount)
+        codes = {f.code for f in told}
+        assert "offset" in codes and not codes & {"lag", "scale", "reversed"}, codes
+
+
+@pytest.mark.parametrize("seed", [12, 13, 14])
+@pytest.mark.parametrize("lag", [0.3, -0.3])
+def test_a_late_half_of_the_tilts_is_named_and_no_scale(seed, lag):
+    """Slow tilts begin in what passes for a rest beside a late half."""
+    walk = clean_walk(seed, "realistic", with_sd=False)
+    late = inject.late_half(walk.tilts.recording, "frame", "gyr", lag)
+    told = find_tilt_faults(late, walk.tape)
+    assert "scale" not in {f.code for f in told}
+    (found,) = [f for f in told if f.code == "lag"]
+    assert found.size == pytest.approx(lag, abs=0.07)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_an_axis_of_the_accelerometer_with_another_scale_is_no_fault_of_the_gyroscope(axis):
+    walk = walked()
+    factors = np.where(np.arange(3) == axis, 1.1, 1.0)
+    for recording, told in (
+        (walk.walk.recording, lambda r: find_faults(r, walk.tape, walk.mount)),
+        (walk.tilts.recording, lambda r: find_tilt_faults(r, walk.tape)),
+    ):
+        wrong = inject.scale(recording, "frame", "acc", factors)
+        codes = {f.code for f in told(wrong)}
+        assert not codes & {"scale", "lag", "reversed"}, codes
