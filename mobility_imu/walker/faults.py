@@ -11,7 +11,7 @@ multiplies the velocity, and zero stays zero.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.faults import Fault, with_costs
+from mobility_imu.faults import Cost, Fault, largest_change, with_costs
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine
 from mobility_imu.recording import Recording
@@ -39,7 +39,7 @@ from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_o
 from mobility_imu.walker.rest_checks import Readings
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.tilt_equations import Form
-from mobility_imu.walker.trajectory import Trajectory, estimate_trajectory
+from mobility_imu.walker.trajectory import OPEN_WORDS, Trajectory, estimate_trajectory
 
 __all__ = ["find_faults", "find_tilt_faults", "not_told", "valid_samples"]
 
@@ -115,6 +115,7 @@ def find_faults(
     readings = _readings(recording, path.time_s, path.stationary)
     found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
     found += faults_of_path(recording, path, mount, found)
+    found += _not_closed(recording, path, path_of)
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
         moved = path if changed is recording else path_of(changed)
@@ -247,6 +248,26 @@ def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
     """
     faults = tuple(faults)
     return [text for text in warnings if not any(_says(fault, text) for fault in faults)]
+
+
+def _not_closed(
+    recording: Recording, tied: Trajectory, path_of: Callable[..., Trajectory]
+) -> Iterator[Fault]:
+    """A constraint that the path contradicts, with how far it bends the path."""
+    for text in tied.warnings:
+        if text.startswith(OPEN_WORDS):
+            untied = path_of(recording, closed_loop=None)
+            count = len(recording)
+            stated = _path_series(tied, tied, count)
+            bent = _path_series(untied, tied, count)
+            costs = tuple(
+                Cost(name, largest_change(values, bent[name, unit]), unit)
+                for (name, unit), values in stated.items()
+            )
+            yield Fault(
+                "not closed", FRAME, float(recording.time_s[0]), np.ones(count, np.bool_),
+                f"{recording.source}: {text}", costs=costs,
+            )  # fmt: skip
 
 
 def _says(fault: Fault, text: str) -> bool:

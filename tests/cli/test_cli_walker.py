@@ -64,7 +64,7 @@ def test_commands_write_what_the_library_finds(tmp_path, works):
         WalkerMount.from_toml(tmp_path / "m.toml"),
         closed_loop=ClosedLoop(),
     )
-    whole = path.to_frame().assign(valid=1)
+    whole = path.to_frame().assign(valid=0)  # a corridor does not close
     for name, table in (("path.csv", whole), ("steps.csv", find_steps(path).to_frame())):
         written = tmp_path / name
         assert written.read_bytes() == csv_bytes(table, written)

@@ -13,6 +13,7 @@ from mobility_imu.health import examine
 from mobility_imu.recording import Recording
 from mobility_imu.reproduction.walker.fault_kinds import clean_walk
 from mobility_imu.simulation import faults as inject
+from mobility_imu.simulation.walker import RECTANGLE, simulate_walk
 from mobility_imu.walker import (
     ClosedLoop,
     StillnessSettings,
@@ -313,3 +314,28 @@ def test_each_sentence_says_what_to_do():
     mount = replace(walk.mount, rotation_imu_to_body=leans @ body)
     told = find_faults(walk.walk.recording, walk.tape, mount)
     assert "calibrate the mount again" in next(f for f in told if f.code == "turned").sentence
+
+
+# A constraint that does not hold.
+
+
+def test_a_loop_that_does_not_close_is_told_with_what_it_bends():
+    """The course ends 2.5 m ahead and 1.5 m aside, half a turn off."""
+    walk = walked()
+    given = {"closed_loop": ClosedLoop()}
+    tied = estimate_trajectory(walk.walk.recording, walk.tape, walk.mount, **given)
+    assert any("does not close" in text and "2.9 m" in text for text in tied.warnings)
+    (found,) = find_faults(walk.walk.recording, walk.tape, walk.mount, **given)
+    assert found.code == "not closed" and not_told(tied.warnings, [found]) == []
+    bent = np.linalg.norm(tied.position_m - path().position_m, axis=1).max()
+    assert {c.name: c.largest for c in found.costs}["place"] == pytest.approx(bent)
+    assert not valid_samples(tied, [found]).any()
+
+
+def test_a_loop_that_closes_is_not_told():
+    level, seed = walked().level, 12
+    motion = simulate_walk(RECTANGLE, seed=seed, imperfections=level.imperfections)
+    walk = walked().followed(motion)
+    given = {"closed_loop": ClosedLoop()}
+    assert find_faults(walk.recording, walked().tape, walked().mount, **given) == ()
+    assert not estimate_trajectory(walk.recording, None, walked().mount, **given).warnings
