@@ -7,7 +7,7 @@ plane says how the IMU is turned, its radius how far from that edge it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, one_of
-from mobility_imu.recording import Imu, Recording
+from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.walker.arc_fit import ArcFit, arm_noise, fit_arc
 from mobility_imu.walker.follow import navigate_recording
@@ -32,6 +32,13 @@ from mobility_imu.walker.geometry import (
 )
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import Navigation, NavigationSettings
+from mobility_imu.walker.sensor_errors import (
+    SCALE_SD,
+    SCALES_OF_ACC,
+    off_scale,
+    scale_at_rest,
+    wrong_readings,
+)
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.tilt_detection import Tilt, check_order, find_tilts
 from mobility_imu.walker.tilt_equations import (
@@ -60,9 +67,6 @@ __all__ = [
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
 _METHODS: tuple[Method, ...] = ("four-tilts", "two-tilts", "all-samples")
 
-SCALE_SD = 0.003
-MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))
-"""Assumed errors of the sensor's scale and axes; no tilt shows them."""
 FOOTPRINT_OFF_M, OTHER_WAY_OFF_M = 0.1, 0.04
 """A side of the footprint by the arcs that is told if it is so far from the tape's; and with the
 sides exchanged, if they then fit twice as well. Our choice: the largest error of 60 simulated
@@ -228,32 +232,28 @@ def _with_sensor_errors(
     noise = _noise_of_arcs(path, tilts, found.settings)
     place, _, noise_sd = _position_from_arcs(fits, tilts, edges, turn, trust, noise)
     place_var, turn_var = noise_sd**2, np.zeros(3)
-    for wrong in _wrong_readings(recording, found.settings.acc_bias_sd_mps2):
+    changes = []
+    for wrong in wrong_readings(recording, found.settings.acc_bias_sd_mps2):
         other = path_of(wrong)
         later = len(other.time_s) - len(path.time_s)
         spans = [slice(t.span.start + later, t.span.stop + later) for t in tilts]
         other_fits, other_turn = _fit_arcs(other, spans, edges)
         there, _, _ = _position_from_arcs(other_fits, tilts, edges, other_turn, trust, noise)
-        place_var = place_var + (there - place) ** 2
+        changes.append(there - place)
+        place_var = place_var + changes[-1] ** 2
         turn_var = turn_var + Rotation.from_matrix(other_turn @ turn.T).as_rotvec() ** 2
     place_sd = np.maximum(found.translation_sd_m, np.sqrt(place_var))
     turn_sd = np.maximum(found.rotation_sd_rad, np.sqrt(turn_var))
     mount = replace(found.mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
-    return replace(found, mount=mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
-
-
-def _wrong_readings(recording: Recording, acc_bias_mps2: float) -> Iterator[Recording]:
-    """Recordings with one error each: of a scale factor, an axis, or the accelerometer's bias."""
-    acc, gyr = recording.sensor("frame").acc_mps2, recording.gyroscope("frame")
-    for row in range(3):
-        offset = np.zeros(3)
-        offset[row] = acc_bias_mps2
-        yield Recording(recording.time_s, {"frame": Imu(acc + offset, gyr)})
-        for column in range(3):
-            mixing = np.eye(3)
-            mixing[row, column] += SCALE_SD if row == column else MISALIGNMENT_SD_RAD
-            yield Recording(recording.time_s, {"frame": Imu(acc @ mixing.T, gyr)})
-            yield Recording(recording.time_s, {"frame": Imu(acc, gyr @ mixing.T)})
+    scale = scale_at_rest(path, recording)
+    moved = scale / SCALE_SD * np.sum([changes[k] for k in SCALES_OF_ACC], axis=0)
+    return replace(
+        found,
+        mount=mount,
+        translation_sd_m=place_sd,
+        rotation_sd_rad=turn_sd,
+        warnings=(*found.warnings, *off_scale(scale, moved, place_sd)),
+    )
 
 
 def calibrate_from_path(

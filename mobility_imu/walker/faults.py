@@ -37,6 +37,7 @@ from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
 from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
 from mobility_imu.walker.rest_checks import Readings
+from mobility_imu.walker.sensor_errors import REST_WORDS
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.tilt_equations import Form
 from mobility_imu.walker.trajectory import OPEN_WORDS, Trajectory, estimate_trajectory
@@ -52,6 +53,7 @@ SAID = (
     ("readings repeat themselves", "frozen", FRAME, ""),
     ("the frame went backward", "turned", FRAME, "of its forward axis"),
     (ODDS_WORDS, "at odds", FRAME, ""),
+    (REST_WORDS, "gravity", f"{FRAME}_acc", ""),
 )
 """Words of a warning, and code, sensor and words of the fault that says the same in its own."""
 

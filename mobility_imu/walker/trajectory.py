@@ -21,11 +21,11 @@ from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
-from mobility_imu.walker.calibration import SCALE_SD
 from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import WalkerGeometry, rotation_world_to_imu
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
+from mobility_imu.walker.sensor_errors import SCALE_SD
 from mobility_imu.walker.stillness import StillnessSettings
 
 if TYPE_CHECKING:
