@@ -37,6 +37,7 @@ from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
 from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
 from mobility_imu.walker.rest_checks import Readings
+from mobility_imu.walker.rounding import coarse_rates
 from mobility_imu.walker.sensor_errors import REST_WORDS
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.tilt_equations import Form
@@ -117,6 +118,7 @@ def find_faults(
     readings = _readings(recording, path.time_s, path.stationary)
     found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
     found += faults_of_path(recording, path, mount, found)
+    found += coarse_rates(recording, path, mount)
     found += _not_closed(recording, path, path_of)
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
