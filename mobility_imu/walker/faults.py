@@ -12,6 +12,7 @@ multiplies the velocity, and zero stays zero.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -125,7 +126,8 @@ def find_faults(
         moved = path if changed is recording else path_of(changed)
         return _path_series(moved, path, len(recording))
 
-    return tuple(f for f in with_costs(found, recording, series) if not _negligible(f))
+    priced = with_costs(found, recording, series)
+    return tuple(_carried_back(f, recording, path, path_of) for f in priced if not _negligible(f))
 
 
 def find_tilt_faults(
@@ -199,12 +201,13 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
 
     A rest brings velocity and tilt back, never place and heading. So a fault that nothing can undo,
     or that moves place (in space) or heading by more than their stated standard deviations at the
-    end, leaves everything from its first sample on not valid. One that costs less touches its own
-    samples, or none if it lasts throughout. One that could be undone, but whose cost is not known,
-    touches its own samples, also if these are all.
+    end, leaves everything from the rest before its first sample on not valid: a smoother carries
+    the error back to there. One that costs less touches its own samples, or none if it lasts
+    throughout. One that could be undone, but whose cost is not known, touches its own samples, also
+    if these are all.
 
-    A start that moves does not count, since the path begins after it. "At odds" counts only where
-    nothing else is told: another fault is its cause.
+    A start that moves does not count, since the path begins after it. "At odds" beside another
+    fault touches its own samples: that fault may be its cause, or not.
 
     Parameters
     ----------
@@ -217,21 +220,19 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
     """
     expect("found", found, Trajectory)
     valid = np.ones(len(found), np.bool_)
-    sds = {
-        "place": float(np.linalg.norm(found.position_sd_m[-1])),
-        "heading": float(np.rad2deg(found.yaw_sd_rad[-1])),
-    }
     faults = [fault for fault in faults if fault.code != "start"]
-    causes = [fault for fault in faults if fault.code != "at odds"]
-    for fault in causes or faults:
+    alone = {fault.code for fault in faults} <= {"at odds"}
+    for fault in faults:
         touched = fault.flags[-len(found) :].copy()
         lasting = (
-            any(cost.largest > sds.get(cost.name, np.inf) for cost in fault.costs)
+            _moves_more_than_sd(fault, found)
             if fault.costs
-            else fault.repair is None
+            else fault.repair is None and (alone or fault.code != "at odds")
         )
         if lasting and touched.any():
-            touched[int(np.argmax(touched)) :] = True
+            first = int(np.argmax(touched))
+            rested = np.flatnonzero(found.stationary[:first])
+            touched[rested[-1] if len(rested) else 0 :] = True
         small = fault.costs and not lasting
         if not (small and touched.all()):
             valid &= ~touched
@@ -252,6 +253,46 @@ def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
     """
     faults = tuple(faults)
     return [text for text in warnings if not any(_says(fault, text) for fault in faults)]
+
+
+def _carried_back(
+    fault: Fault,
+    recording: Recording,
+    stated: Trajectory,
+    path_of: Callable[[Recording], Trajectory],
+) -> Fault:
+    """Fault whose flags begin where it begins to move the path by more than its deviations.
+
+    The smoother takes an offset that jumps for one that wanders, before the jump as well.
+    """
+    first = int(np.argmax(fault.flags[-len(stated) :]))
+    if fault.repair is None or first == 0 or not _moves_more_than_sd(fault, stated):
+        return fault
+    try:
+        moved = path_of(fault.repair(recording))
+    except InputError:
+        return fault
+    count = min(len(moved), len(stated))
+    place = np.linalg.norm(moved.position_m[-count:] - stated.position_m[-count:], axis=1)
+    turned = np.abs(moved.yaw_rad[-count:] - stated.yaw_rad[-count:])
+    sd_m = np.linalg.norm(stated.position_sd_m[-count:], axis=1)
+    off = place > np.maximum(sd_m, NEGLIGIBLE["m"])
+    off |= turned > np.maximum(stated.yaw_sd_rad[-count:], np.deg2rad(NEGLIGIBLE["deg"]))
+    before = len(recording) - len(stated) + first
+    flags = fault.flags.copy()
+    begin = len(recording) - count + int(np.argmax(off))
+    if off.any() and begin < before:
+        flags[begin:before] = True
+    return replace(fault, flags=flags)
+
+
+def _moves_more_than_sd(fault: Fault, found: Trajectory) -> bool:
+    """Whether a fault moves place (in space) or heading by more than their sds at the end."""
+    sds = {
+        "place": float(np.linalg.norm(found.position_sd_m[-1])),
+        "heading": float(np.rad2deg(found.yaw_sd_rad[-1])),
+    }
+    return any(cost.largest > sds.get(cost.name, np.inf) for cost in fault.costs)
 
 
 def _not_closed(

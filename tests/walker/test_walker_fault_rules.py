@@ -1,6 +1,7 @@
 """What the walker's finders promise of each fault: whose it is, its cost, how long it lasts."""
 
 import functools
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -131,13 +132,17 @@ def test_samples_that_a_fault_of_unknown_cost_leaves():
     late = len(walked().walk.recording) - len(path())
     for repair, lost in ((None, slice(200, None)), (same, slice(200, 300))):
         kept = valid([fault(at=slice(late + 200, late + 300), repair=repair)])
+        rested = slice(int(np.flatnonzero(path().stationary[:200])[-1]), None)
+        lost = rested if repair is None else lost
         assert not kept[lost].any() and kept.sum() == len(kept) - (~kept[lost]).sum()
         assert not valid([fault(at=whole, repair=repair)]).any()
     small = fault(at=whole, repair=same, costs=(Cost("place", 0.0, "m"),))
     assert valid([small]).all()
     assert valid([fault("start", at=slice(0, late + 5))]).all()
     odds = fault("at odds", at=slice(late + 200, late + 300))
-    assert not valid([odds])[200:].any() and valid([odds, small]).all()
+    assert not valid([odds])[200:].any()
+    beside = valid([odds, small])
+    assert not beside[200:300].any() and beside[:200].all() and beside[300:].all()
 
 
 def test_a_place_is_held_against_its_deviation_in_space():
@@ -269,8 +274,31 @@ def test_an_offset_that_jumps_is_told_from_the_jump_on():
     told = faults_of_readings(wrong, readings_of(wrong), [], StillnessSettings())
     (found,) = [f for f in told if f.code == "offset"]
     assert "jumps" in found.sentence and f"first at {found.first_s:.2f} s" in found.sentence
-    # Between the rests beside 25 s, which one rest may hold.
-    assert 23 < found.first_s < 27 and found.flags[found.flags.argmax() :].all()
+    # From the end of the last rest that does not show it.
+    assert 21 < found.first_s < 25 and found.flags[found.flags.argmax() :].all()
+    when = float(re.search(r"at rest from ([\d.]+) s on", found.sentence)[1])
+    assert when == pytest.approx(25, abs=1)
+
+
+@pytest.mark.parametrize("part", [0.1, 0.3, 0.6, 0.9])
+def test_a_jump_is_dated_wherever_it_is(part):
+    """Within a step; and the path's samples that it moves beyond their sds are not valid."""
+    recording, walk = walked().walk.recording, walked()
+    jump_s = part * recording.time_s[-1]
+    rates = recording.gyroscope("frame").copy()
+    rates[recording.time_s > jump_s] += np.deg2rad([0.0, 2.0, 0.0])
+    imu = replace(recording.sensor("frame"), gyr_radps=rates)
+    wrong = Recording(recording.time_s, {"frame": imu}, source="jumps")
+    told = find_faults(wrong, walk.tape, walk.mount)
+    (found,) = [f for f in told if f.code == "offset"]
+    when = float(re.search(r"at rest from ([\d.]+) s on", found.sentence)[1])
+    assert when == pytest.approx(jump_s, abs=2) and found.first_s <= jump_s
+    moved = estimate_trajectory(wrong, walk.tape, walk.mount)
+    valid = valid_samples(moved, told)
+    count = min(len(moved), len(path()))
+    apart = np.linalg.norm(moved.position_m[-count:] - path().position_m[-count:], axis=1)
+    sd = np.linalg.norm(moved.position_sd_m[-count:], axis=1)
+    assert (apart <= 1.5 * np.maximum(sd, 2e-3))[valid[-count:]].all()
 
 
 def test_a_repair_works_on_the_recording_that_it_is_given():
