@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Cost, Fault, largest_change, with_costs
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, shown
 from mobility_imu.health import examine
 from mobility_imu.recording import Recording
 from mobility_imu.walker.calibration import (
@@ -32,7 +32,7 @@ from mobility_imu.walker.calibration import (
     check_choices,
 )
 from mobility_imu.walker.fault_checks import FRAME, faults_of_readings, with_reach
-from mobility_imu.walker.follow import checked_options, navigate_recording
+from mobility_imu.walker.follow import LATEST_REST_S, checked_options, navigate_recording
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
@@ -119,7 +119,7 @@ def find_faults(
     readings = _readings(recording, path.time_s, path.stationary)
     found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
     found += faults_of_path(recording, path, mount, found)
-    found += coarse_rates(recording, path, mount)
+    found += coarse_rates(recording, path, mount, found)
     found += _not_closed(recording, path, path_of)
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
@@ -207,7 +207,8 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
     if these are all.
 
     A start that moves does not count, since the path begins after it. "At odds" beside another
-    fault touches its own samples: that fault may be its cause, or not.
+    fault touches its own samples, as that fault may be its cause or not; a lasting one is, where
+    all rests are at odds.
 
     Parameters
     ----------
@@ -217,24 +218,28 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
     Returns
     -------
     (n,) bool array, one flag for each sample of the path
+
+    Raises
+    ------
+    InputError
+        If an argument is of another kind, or a fault is one of another recording.
     """
     expect("found", found, Trajectory)
     valid = np.ones(len(found), np.bool_)
-    faults = [fault for fault in faults if fault.code != "start"]
-    alone = {fault.code for fault in faults} <= {"at odds"}
+    faults = [fault for fault in _checked(faults, found) if fault.code != "start"]
+    alone = all(fault.code == "at odds" for fault in faults)
+    caused = any(fault.code != "at odds" and _lasts(fault, found) for fault in faults)
     for fault in faults:
         touched = fault.flags[-len(found) :].copy()
-        lasting = (
-            _moves_more_than_sd(fault, found)
-            if fault.costs
-            else fault.repair is None and (alone or fault.code != "at odds")
-        )
-        if lasting and touched.any():
+        odds = fault.code == "at odds"
+        if odds and caused and touched[found.stationary].all():
+            continue
+        lasts = _lasts(fault, found) and (alone or not odds)
+        if lasts and touched.any():
             first = int(np.argmax(touched))
             rested = np.flatnonzero(found.stationary[:first])
             touched[rested[-1] if len(rested) else 0 :] = True
-        small = fault.costs and not lasting
-        if not (small and touched.all()):
+        if lasts or not fault.costs or not touched.all():
             valid &= ~touched
     return valid
 
@@ -250,8 +255,15 @@ def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
     Returns
     -------
     list of str
+
+    Raises
+    ------
+    InputError
+        If an argument is of another kind.
     """
-    faults = tuple(faults)
+    faults = _checked(faults)
+    if isinstance(warnings, str) or not isinstance(warnings, Iterable):
+        raise InputError(f"warnings: got {shown(warnings)}, expected those of a result")
     return [text for text in warnings if not any(_says(fault, text) for fault in faults)]
 
 
@@ -284,6 +296,29 @@ def _carried_back(
     if off.any() and begin < before:
         flags[begin:before] = True
     return replace(fault, flags=flags)
+
+
+def _checked(faults: Iterable[Fault], found: Trajectory | None = None) -> tuple[Fault, ...]:
+    """Faults as a tuple; those of a path may have the few seconds more before its first rest."""
+    if isinstance(faults, Fault) or not isinstance(faults, Iterable):
+        raise InputError(f"faults: got {shown(faults)}, expected those that find_faults gives")
+    faults = tuple(faults)
+    for fault in faults:
+        expect("faults", fault, Fault)
+        if found is None:
+            continue
+        most = len(found) + LATEST_REST_S / float(np.median(np.diff(found.time_s))) + 1
+        if not len(found) <= len(fault.flags) <= most:
+            raise InputError(
+                f"faults: one is of a recording of {len(fault.flags)} samples, the path has "
+                f"{len(found)}: expected the faults of its own recording"
+            )
+    return faults
+
+
+def _lasts(fault: Fault, found: Trajectory) -> bool:
+    """Whether a fault spoils all that comes after it: by more than the sds, or without a repair."""
+    return _moves_more_than_sd(fault, found) if fault.costs else fault.repair is None
 
 
 def _moves_more_than_sd(fault: Fault, found: Trajectory) -> bool:

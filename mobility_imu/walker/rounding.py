@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from mobility_imu.health import fault_of
 from mobility_imu.quality import resolution_of
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.fault_checks import FRAME
+from mobility_imu.walker.fault_checks import BROKEN, FRAME
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.trajectory import Trajectory
 
@@ -50,7 +50,9 @@ def rounded_mean_sd(step: FloatArray, noise: FloatArray) -> FloatArray:
     return np.asarray(step / np.pi * np.sqrt(damped.sum(axis=1) / 2))
 
 
-def coarse_rates(recording: Recording, found: Trajectory, mount: WalkerMount) -> Iterator[Fault]:
+def coarse_rates(
+    recording: Recording, found: Trajectory, mount: WalkerMount, known: Iterable[Fault] = ()
+) -> Iterator[Fault]:
     """A gyroscope whose offset at rest hides within its steps, and what that may turn the path by.
 
     At rest it reads one number, wherever the rate lies within the step; in a move the readings
@@ -61,6 +63,7 @@ def coarse_rates(recording: Recording, found: Trajectory, mount: WalkerMount) ->
     recording : Recording with a sensor "frame"
     found : Trajectory of its last samples
     mount : WalkerMount
+    known : Fault, of the recording; a gyroscope that is frozen says nothing of its steps
 
     Yields
     ------
@@ -69,8 +72,13 @@ def coarse_rates(recording: Recording, found: Trajectory, mount: WalkerMount) ->
     rates = recording.gyroscope(FRAME)[-len(found) :]
     interval_s = float(np.median(np.diff(found.time_s)))
     count = max(3, round(SHORTEST_REST_S / interval_s))
-    rests = runs_of(long_runs(found.stationary, count, grow=False))
-    step = resolution_of(rates).step
+    broken = np.zeros(len(recording), np.bool_)
+    for fault in known:
+        if fault.code in BROKEN and not fault.sensor.endswith("acc"):
+            broken |= fault.flags
+    broken = broken[-len(found) :]
+    rests = runs_of(long_runs(found.stationary & ~broken, count, grow=False))
+    step = resolution_of(rates, skip=broken).step
     if not rests or not step.any():
         return
     scatter = np.median([rates[rest].var(axis=0) for rest in rests], axis=0)

@@ -114,6 +114,23 @@ def test_a_wrong_argument_of_the_tilts_is_named(options, words):
         find_tilt_faults(walked().tilts.recording, walked().tape, **options)
 
 
+def test_flags_and_warnings_take_faults_of_their_recording():
+    given = fault()
+    longer = replace(given, flags=np.r_[np.zeros(4000, np.bool_), given.flags])
+    shorter = replace(given, flags=given.flags[:100])
+    for wrong in (given, 3, None, ["text"], [longer], [shorter]):
+        with pytest.raises(InputError, match="faults"):
+            valid_samples(path(), wrong)
+    for wrong in (given, 3, None, ["text"]):
+        with pytest.raises(InputError, match="faults"):
+            not_told(["text"], wrong)
+    for wrong in ("text", 3, None):
+        with pytest.raises(InputError, match="warnings"):
+            not_told(wrong, [given])
+    with pytest.raises(InputError, match="found"):
+        valid_samples(3, [given])
+
+
 # What a fault costs.
 
 
@@ -143,6 +160,11 @@ def test_samples_that_a_fault_of_unknown_cost_leaves():
     assert not valid([odds])[200:].any()
     beside = valid([odds, small])
     assert not beside[200:300].any() and beside[:200].all() and beside[300:].all()
+    # The filter's words are of all rests: of a lasting fault, from which they come.
+    everywhere = replace(odds, flags=np.r_[np.zeros(late, np.bool_), path().stationary])
+    lasting = fault(at=slice(late + 400, None))
+    assert (valid([everywhere, lasting]) == valid([lasting])).all()
+    assert (valid([everywhere, small]) == ~path().stationary).all()
 
 
 def test_a_place_is_held_against_its_deviation_in_space():
