@@ -30,7 +30,7 @@ from mobility_imu.walker.geometry import (
     rotation_body_to_world,
     rotation_world_to_imu,
 )
-from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.mount import REACH_M, WalkerMount
 from mobility_imu.walker.navigation import Navigation, NavigationSettings
 from mobility_imu.walker.sensor_errors import (
     SCALE_SD,
@@ -244,6 +244,12 @@ def _with_sensor_errors(
         turn_var = turn_var + Rotation.from_matrix(other_turn @ turn.T).as_rotvec() ** 2
     place_sd = np.maximum(found.translation_sd_m, np.sqrt(place_var))
     turn_sd = np.maximum(found.rotation_sd_rad, np.sqrt(turn_var))
+    if not (place_sd.max() <= REACH_M and turn_sd.max() <= np.pi):
+        raise InputError(
+            f"the tilts leave the IMU's position uncertain by {place_sd.max():.2g} m and its axes "
+            f"by {np.rad2deg(turn_sd.max()):.2g} deg (one standard deviation): no mount; is one of "
+            "the sensor's axes broken, or a unit wrong?"
+        )
     mount = replace(found.mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
     scale = scale_at_rest(path, recording)
     moved = scale / SCALE_SD * np.sum([changes[k] for k in SCALES_OF_ACC], axis=0)
@@ -366,7 +372,7 @@ def _as_the_paper(
         )
     unknown = np.full(3, np.nan)
     return WalkerCalibration(
-        WalkerMount(imu_to_body, place),
+        _mount(imu_to_body, place),
         unknown,
         unknown,
         (np.nan, np.nan),
@@ -431,7 +437,7 @@ def _from_arcs(
     footprint = _footprint(fits, tilts, imu_to_body)
     notes += _footprint_warnings(footprint, geometry)
     return WalkerCalibration(
-        WalkerMount(imu_to_body, place),
+        _mount(imu_to_body, place),
         place_sd,
         np.array([level, level, _heading_sd(fits, edges, imu_to_body)]),
         footprint,
@@ -439,6 +445,17 @@ def _from_arcs(
         tuple(notes),
         **with_._asdict(),
     )
+
+
+def _mount(imu_to_body: FloatArray, place: FloatArray) -> WalkerMount:
+    """Mount that the arcs give; the message of one beyond reach is that of a bad recording."""
+    if np.abs(place).max() > REACH_M:
+        raise InputError(
+            f"by these tilts the IMU is at {np.round(place, 2).tolist()} m in the frame's axes, "
+            f"expected within {REACH_M:g} m: the recording does not show tilts about the edges; is "
+            "one of the sensor's axes broken, or a unit wrong?"
+        )
+    return WalkerMount(imu_to_body, place)
 
 
 def _fit_arcs(

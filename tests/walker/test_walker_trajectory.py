@@ -203,7 +203,7 @@ def test_the_mounts_errors_are_in_the_paths(tmp_path):
     (tmp_path / "m.toml").write_text(text)
     read = WalkerMount.from_toml(tmp_path / "m.toml")
     assert read.rotation_sd_rad.tolist() == [0.1, 0.2, 0.3] and read.translation_sd_m is None
-    with pytest.raises(InputError, match="not negative"):
+    with pytest.raises(InputError, match="between 0 and"):
         WalkerMount(mount.rotation_imu_to_body, mount.translation_body_m, [-1, 0, 0])
 
 
