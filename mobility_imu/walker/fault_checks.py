@@ -31,7 +31,7 @@ from mobility_imu.walker.rest_checks import (
 from mobility_imu.walker.saturation import FARTHEST, bridged_rates
 from mobility_imu.walker.stillness import StillnessSettings, stillness_signals
 
-__all__ = ["BROKEN", "FRAME", "faults_of_readings", "placed", "with_reach"]
+__all__ = ["BRIDGED_S", "BROKEN", "FRAME", "UNKNOWN", "faults_of_readings", "placed", "with_reach"]
 
 FRAME = "frame"
 BROKEN = frozenset({"frozen", "dead axis"})

@@ -31,8 +31,9 @@ from mobility_imu.walker.calibration import (
     calibrate_from_path,
     check_choices,
 )
-from mobility_imu.walker.fault_checks import FRAME, faults_of_readings, with_reach
+from mobility_imu.walker.fault_checks import FRAME, UNKNOWN, faults_of_readings, with_reach
 from mobility_imu.walker.follow import LATEST_REST_S, checked_options, navigate_recording
+from mobility_imu.walker.gaps import gaps_in_moves, without_gaps
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
@@ -49,6 +50,7 @@ __all__ = ["find_faults", "find_tilt_faults", "not_told", "valid_samples"]
 NEGLIGIBLE = {"m": 1e-3, "deg": 0.01}
 """A range whose end costs less is not told: a sensor with coarse steps repeats its largest value by
 chance."""
+TILTS_UNKNOWN = "; how the frame tilts there is not known, and the mount may be wrong"
 SAID = (
     (f"{FRAME}_acc is saturated in", "range", f"{FRAME}_acc", ""),
     (f"{FRAME}_gyr is saturated in", "range", f"{FRAME}_gyr", ""),
@@ -117,6 +119,9 @@ def find_faults(
     except InputError:
         return tuple(found)
     readings = _readings(recording, path.time_s, path.stationary)
+    for gap in gaps_in_moves(recording, path.stationary):
+        found.append(gap)
+        readings = without_gaps(readings, gap.flags)
     found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
     found += faults_of_path(recording, path, mount, found)
     found += coarse_rates(recording, path, mount, found)
@@ -185,10 +190,14 @@ def find_tilt_faults(
     try:
         path, stated = mount_of(recording)
     except InputError:
-        return tuple(found)
+        return tuple(_of_tilts(fault) for fault in found)
     readings = _readings(recording, path.time_s, path.still)
+    for gap in gaps_in_moves(recording, path.still):
+        found.append(gap)
+        readings = without_gaps(readings, gap.flags)
     found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
     found += faults_of_tilts(recording, stated.warnings, len(path.time_s), found)
+    found = [_of_tilts(fault) for fault in found]
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
         return _mount_series(stated if changed is recording else mount_of(changed)[1], stated)
@@ -375,6 +384,11 @@ def _with_readings(found: list[Fault], more: list[Fault]) -> list[Fault]:
     if codes & {"lag", "reversed"}:
         found = [fault for fault in found if fault.code != "reversed"]
     return found + more
+
+
+def _of_tilts(fault: Fault) -> Fault:
+    """Fault whose sentence speaks of the mount, where that of a walk speaks of the path."""
+    return replace(fault, sentence=fault.sentence.replace(UNKNOWN, TILTS_UNKNOWN))
 
 
 def _negligible(fault: Fault) -> bool:

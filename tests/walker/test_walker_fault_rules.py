@@ -389,3 +389,38 @@ def test_a_loop_that_closes_is_not_told():
     given = {"closed_loop": ClosedLoop()}
     assert find_faults(walk.recording, walked().tape, walked().mount, **given) == ()
     assert not estimate_trajectory(walk.recording, None, walked().mount, **given).warnings
+
+
+# Gaps, and words of the tilts.
+
+
+def filled(recording, begin_s, length_s):
+    """The recording with a gap that was filled as ``fill_gaps`` does."""
+    imu, time_s = recording.sensor("frame"), recording.time_s
+    kept = (time_s < begin_s) | (time_s > begin_s + length_s)
+    acc, gyr = (
+        np.column_stack([np.interp(time_s, time_s[kept], axis[kept]) for axis in values.T])
+        for values in (imu.acc_mps2, imu.gyr_radps)
+    )
+    return Recording(time_s, {"frame": replace(imu, acc_mps2=acc, gyr_radps=gyr)}, source="gap")
+
+
+def test_a_long_gap_that_was_filled_is_told_and_judges_nothing_else():
+    walk = walked()
+    wrong = filled(walk.walk.recording, 14.0, 2.0)
+    told = find_faults(wrong, walk.tape, walk.mount)
+    assert "gap" in {f.code for f in told} and not {f.code for f in told} & {"lag", "scale"}
+    (gap,) = [f for f in told if f.code == "gap"]
+    assert gap.size == pytest.approx(2.0, abs=0.05) and gap.first_s == pytest.approx(14, abs=0.05)
+    moved = estimate_trajectory(wrong, walk.tape, walk.mount)
+    assert not valid_samples(moved, told)[-len(wrong) + 1400 :].any()
+    assert find_faults(filled(walk.walk.recording, 14.0, 0.1), walk.tape, walk.mount) == ()
+    resting = filled(walk.walk.recording, 0.5, 0.8)
+    assert find_faults(resting, walk.tape, walk.mount) == ()
+
+
+def test_faults_of_tilts_speak_of_the_mount():
+    recording, walk = walked().tilts.recording, walked()
+    for half in ("acc", "gyr"):
+        told = find_tilt_faults(inject.freeze(recording, "frame", half, 8.0, 4.0), walk.tape)
+        assert told and all("path" not in f.sentence for f in told), told
