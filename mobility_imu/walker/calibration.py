@@ -35,6 +35,7 @@ from mobility_imu.walker.navigation import Navigation, NavigationSettings
 from mobility_imu.walker.sensor_errors import (
     SCALE_SD,
     SCALES_OF_ACC,
+    check_deviations,
     off_scale,
     scale_at_rest,
     wrong_readings,
@@ -244,12 +245,7 @@ def _with_sensor_errors(
         turn_var = turn_var + Rotation.from_matrix(other_turn @ turn.T).as_rotvec() ** 2
     place_sd = np.maximum(found.translation_sd_m, np.sqrt(place_var))
     turn_sd = np.maximum(found.rotation_sd_rad, np.sqrt(turn_var))
-    if not (place_sd.max() <= REACH_M and turn_sd.max() <= np.pi):
-        raise InputError(
-            f"the tilts leave the IMU's position uncertain by {place_sd.max():.2g} m and its axes "
-            f"by {np.rad2deg(turn_sd.max()):.2g} deg (one standard deviation): no mount; is one of "
-            "the sensor's axes broken, or a unit wrong?"
-        )
+    check_deviations(place_sd, turn_sd)
     mount = replace(found.mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
     scale = scale_at_rest(path, recording)
     moved = scale / SCALE_SD * np.sum([changes[k] for k in SCALES_OF_ACC], axis=0)

@@ -6,9 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.runs import runs_of
+from mobility_imu.walker.mount import REACH_M
 from mobility_imu.walker.navigation import Navigation
 
 __all__ = [
@@ -16,6 +18,7 @@ __all__ = [
     "REST_WORDS",
     "SCALES_OF_ACC",
     "SCALE_SD",
+    "check_deviations",
     "off_scale",
     "scale_at_rest",
     "wrong_readings",
@@ -101,4 +104,24 @@ def off_scale(scale: float, moved: FloatArray, place_sd: FloatArray) -> Iterator
             f"{'much' if scale > 0 else 'little'}: if this is its scale, the IMU's position is "
             f"wrong by about {np.linalg.norm(moved):.2g} m, {times:.1f} of the stated standard "
             "deviations; calibrate the accelerometer, or use another sensor"
+        )
+
+
+def check_deviations(place_sd: FloatArray, turn_sd: FloatArray) -> None:
+    """Check that a mount is known within what a frame reaches.
+
+    Parameters
+    ----------
+    place_sd, turn_sd : (3,) arrays, m and rad, of the mount's position and rotation
+
+    Raises
+    ------
+    InputError
+        If one is larger: the recording shows no mount.
+    """
+    if not (place_sd.max() <= REACH_M and turn_sd.max() <= np.pi):
+        raise InputError(
+            f"the tilts leave the IMU's position uncertain by {place_sd.max():.2g} m and its axes "
+            f"by {np.rad2deg(turn_sd.max()):.2g} deg (one standard deviation): no mount; is one of "
+            "the sensor's axes broken, or a unit wrong?"
         )
