@@ -380,7 +380,8 @@ def _time_of_jump(
     The mean of a rest in which it jumps says when; between two rests it is the middle.
     """
     before, after = np.median(off[:jump], axis=0), np.median(off[jump:], axis=0)
-    part = (off - before) @ (after - before) / ((after - before) @ (after - before))
+    apart = after - before
+    part = (off - before) @ apart / max(float(apart @ apart), 1e-12)
     when = (time_s[rests[jump - 1].stop - 1] + time_s[rests[jump].start]) / 2
     for k in (jump - 1, jump):
         if INSIDE < part[k] < 1 - INSIDE:

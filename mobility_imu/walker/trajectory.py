@@ -44,6 +44,8 @@ NOTED_LEAN_DEG, MOST_LEAN_DEG = 4.0, 20.0
 of 3.4 deg; floors are level to half a degree."""
 SHAPES = {"position_m": (3,), "rotation_body_to_world": (3, 3), "position_sd_m": (3,)}
 """What each sample of a trajectory has of these."""
+SHORTEST_WALK_S = 1.0
+"""From less neither up nor an offset is known as the settings say. Our choice, not swept."""
 OPEN_TIMES = 10.0
 """A walk does not close if it ends so many standard deviations from its start, or turned by so
 many. Of 40 simulated rounds that close the largest is 5.5 times, with sensors of the level "real";
@@ -287,6 +289,12 @@ def _estimate_one(
         closed_loop=closed_loop,
         rests=rests,
     )
+    lasts_s = float(path.time_s[-1] - path.time_s[0])
+    if lasts_s < SHORTEST_WALK_S:
+        raise InputError(
+            f"{recording.source}: {lasts_s:.2g} s from the first rest on, expected a walk that "
+            "begins with some seconds of rest"
+        )
     rest = runs_of(path.still)[0]
     force = recording.sensor("frame").acc_mps2[-len(path.time_s) :][rest].mean(axis=0)
     up = mount.rotation_imu_to_body @ force / np.linalg.norm(force)

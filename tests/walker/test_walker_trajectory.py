@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from walker_recordings import (
     DATASHEET,
     FRAME,
+    cut_out,
     rebuilt,
     walked,
 )
@@ -315,3 +316,11 @@ def test_each_error_of_a_mount_by_itself_moves_the_path_as_stated():
     found = extra(rotation_sd_rad=[0.0, 0.0, heading_sd])
     assert np.allclose(found[:, :2], across[:, :2] ** 2, rtol=1e-3, atol=1e-7)
     assert not found[:, 2].any() and found.max() > (1.9 * heading_sd) ** 2
+
+
+@pytest.mark.parametrize("samples", [3, 4, 50])
+def test_a_few_samples_are_no_walk(samples):
+    """Their path would have deviations of a hundredth of a millimetre."""
+    recording = walked().recording
+    with pytest.raises(InputError, match="expected a walk"):
+        estimate_trajectory(cut_out(recording, slice(0, samples)), None, pose_mount("1"))
