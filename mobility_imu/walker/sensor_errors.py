@@ -35,7 +35,7 @@ REST_SD_MPS2, USUAL_SCALE, USUAL_OFFSET_MPS2 = 0.01, 0.05, 0.1
 """Scatter of gravity's size in a rest, and errors of the accelerometer from which the rests choose:
 where they leave it open, the scale is at fault, which costs more."""
 SCALES_OF_ACC = (1, 10, 19)
-"""Numbers of the recordings of :func:`wrong_readings` whose accelerometer has a wrong scale."""
+"""Numbers of the recordings of ``wrong_readings`` whose accelerometer has a wrong scale."""
 
 
 def wrong_readings(recording: Recording, acc_bias_mps2: float) -> Iterator[Recording]:
