@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -68,7 +69,7 @@ def calibrate(
     faults = find_tilt_faults(recording, frame, **options)
     tell_faults(faults, strict)
     found = calibrate_mount(recording, frame, **options)
-    warn(not_told(found.warnings, faults))
+    warn(_named(tilts, not_told(found.warnings, faults)))
     outputs.write({output: found.to_toml().encode()})
     summarize([read_line(recording), *walker_mount_lines(found), written_line([output])], quiet)
 
@@ -147,8 +148,13 @@ def _followed(
         found = estimate_trajectory(recording, frame, mount, **options)
     except InputError as error:
         raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
-    warn(not_told(found.warnings, faults))
+    warn(_named(walk, not_told(found.warnings, faults)))
     return found, found.to_frame().assign(valid=valid_samples(found, faults).astype(int))
+
+
+def _named(path: Path, texts: Iterable[str]) -> list[str]:
+    """Sentences that begin with the file that they are of."""
+    return [text if text.startswith(f"{path}: ") else f"{path}: {text}" for text in texts]
 
 
 def _steps(found: Trajectory, walk: Path, *, needed: bool) -> Steps | None:

@@ -81,8 +81,8 @@ def read_velocities(
     French, English and Spanish serve alike, and a time column by ``time``, ``temps``, ``tiempo``.
     Columns with ``sd`` or ``std`` as a word in their names hold standard deviations: where one is
     infinite, or a column ``valid`` is 0, the velocities are not valid. The names state the units,
-    as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that is not stated is asked for. A time column is
-    in s unless its name states another unit.
+    as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that is not stated is asked for. A time column
+    is in s unless its name states another unit.
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ plane says how the IMU is turned, its radius how far from that edge it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, one_of
-from mobility_imu.recording import Imu, Recording
+from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.walker.arc_fit import ArcFit, arm_noise, fit_arc
 from mobility_imu.walker.follow import navigate_recording
@@ -30,8 +30,16 @@ from mobility_imu.walker.geometry import (
     rotation_body_to_world,
     rotation_world_to_imu,
 )
-from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.mount import REACH_M, WalkerMount
 from mobility_imu.walker.navigation import Navigation, NavigationSettings
+from mobility_imu.walker.sensor_errors import (
+    SCALE_SD,
+    SCALES_OF_ACC,
+    check_deviations,
+    off_scale,
+    scale_at_rest,
+    wrong_readings,
+)
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.tilt_detection import Tilt, check_order, find_tilts
 from mobility_imu.walker.tilt_equations import (
@@ -60,9 +68,6 @@ __all__ = [
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
 _METHODS: tuple[Method, ...] = ("four-tilts", "two-tilts", "all-samples")
 
-SCALE_SD = 0.003
-MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))
-"""Assumed errors of the sensor's scale and axes; no tilt shows them."""
 FOOTPRINT_OFF_M, OTHER_WAY_OFF_M = 0.1, 0.04
 """A side of the footprint by the arcs that is told if it is so far from the tape's; and with the
 sides exchanged, if they then fit twice as well. Our choice: the largest error of 60 simulated
@@ -228,32 +233,29 @@ def _with_sensor_errors(
     noise = _noise_of_arcs(path, tilts, found.settings)
     place, _, noise_sd = _position_from_arcs(fits, tilts, edges, turn, trust, noise)
     place_var, turn_var = noise_sd**2, np.zeros(3)
-    for wrong in _wrong_readings(recording, found.settings.acc_bias_sd_mps2):
+    changes = []
+    for wrong in wrong_readings(recording, found.settings.acc_bias_sd_mps2):
         other = path_of(wrong)
         later = len(other.time_s) - len(path.time_s)
         spans = [slice(t.span.start + later, t.span.stop + later) for t in tilts]
         other_fits, other_turn = _fit_arcs(other, spans, edges)
         there, _, _ = _position_from_arcs(other_fits, tilts, edges, other_turn, trust, noise)
-        place_var = place_var + (there - place) ** 2
+        changes.append(there - place)
+        place_var = place_var + changes[-1] ** 2
         turn_var = turn_var + Rotation.from_matrix(other_turn @ turn.T).as_rotvec() ** 2
     place_sd = np.maximum(found.translation_sd_m, np.sqrt(place_var))
     turn_sd = np.maximum(found.rotation_sd_rad, np.sqrt(turn_var))
+    check_deviations(place_sd, turn_sd)
     mount = replace(found.mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
-    return replace(found, mount=mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
-
-
-def _wrong_readings(recording: Recording, acc_bias_mps2: float) -> Iterator[Recording]:
-    """Recordings with one error each: of a scale factor, an axis, or the accelerometer's bias."""
-    acc, gyr = recording.sensor("frame").acc_mps2, recording.gyroscope("frame")
-    for row in range(3):
-        offset = np.zeros(3)
-        offset[row] = acc_bias_mps2
-        yield Recording(recording.time_s, {"frame": Imu(acc + offset, gyr)})
-        for column in range(3):
-            mixing = np.eye(3)
-            mixing[row, column] += SCALE_SD if row == column else MISALIGNMENT_SD_RAD
-            yield Recording(recording.time_s, {"frame": Imu(acc @ mixing.T, gyr)})
-            yield Recording(recording.time_s, {"frame": Imu(acc, gyr @ mixing.T)})
+    scale = scale_at_rest(path, recording)
+    moved = scale / SCALE_SD * np.sum([changes[k] for k in SCALES_OF_ACC], axis=0)
+    return replace(
+        found,
+        mount=mount,
+        translation_sd_m=place_sd,
+        rotation_sd_rad=turn_sd,
+        warnings=(*found.warnings, *off_scale(scale, moved, place_sd)),
+    )
 
 
 def calibrate_from_path(
@@ -366,7 +368,7 @@ def _as_the_paper(
         )
     unknown = np.full(3, np.nan)
     return WalkerCalibration(
-        WalkerMount(imu_to_body, place),
+        _mount(imu_to_body, place),
         unknown,
         unknown,
         (np.nan, np.nan),
@@ -431,7 +433,7 @@ def _from_arcs(
     footprint = _footprint(fits, tilts, imu_to_body)
     notes += _footprint_warnings(footprint, geometry)
     return WalkerCalibration(
-        WalkerMount(imu_to_body, place),
+        _mount(imu_to_body, place),
         place_sd,
         np.array([level, level, _heading_sd(fits, edges, imu_to_body)]),
         footprint,
@@ -439,6 +441,17 @@ def _from_arcs(
         tuple(notes),
         **with_._asdict(),
     )
+
+
+def _mount(imu_to_body: FloatArray, place: FloatArray) -> WalkerMount:
+    """Mount that the arcs give; the message of one beyond reach is that of a bad recording."""
+    if np.abs(place).max() > REACH_M:
+        raise InputError(
+            f"by these tilts the IMU is at {np.round(place, 2).tolist()} m in the frame's axes, "
+            f"expected within {REACH_M:g} m: the recording does not show tilts about the edges; is "
+            "one of the sensor's axes broken, or a unit wrong?"
+        )
+    return WalkerMount(imu_to_body, place)
 
 
 def _fit_arcs(

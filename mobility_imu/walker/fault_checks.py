@@ -36,7 +36,7 @@ from mobility_imu.walker.rest_checks import (
 from mobility_imu.walker.saturation import FARTHEST, bridged_rates
 from mobility_imu.walker.stillness import StillnessSettings, find_stillness, stillness_signals
 
-__all__ = ["BROKEN", "FRAME", "faults_of_readings", "placed", "with_reach"]
+__all__ = ["BRIDGED_S", "BROKEN", "FRAME", "UNKNOWN", "faults_of_readings", "placed", "with_reach"]
 
 FRAME = "frame"
 BROKEN = frozenset({"frozen", "dead axis"})
@@ -79,6 +79,8 @@ REST_TIMES, FEWEST_RESTS = 5.0, 3
 JUMP_RADPS, JUMP_TIMES = float(np.deg2rad(0.1)), 6.0
 """Difference of the rests' median rates before and after a moment, and how many times its standard
 deviation it has to be. On 16 real walks the largest is 5.0 times."""
+INSIDE = 0.1
+"""Part of the jump from which on a rest shows it. Our choice, not swept."""
 ROLLS_MPS, ROLLS_S = 0.3, 1.5
 """A frame at rest does not gain so much speed in so short a time, twice. Rocking and landing of 200
 simulated recordings gain up to 0.24 m/s."""
@@ -408,13 +410,13 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
     if jump:
         apart = np.median(off[:jump], axis=0) - np.median(off[jump:], axis=0)
         largest = float(np.rad2deg(np.linalg.norm(apart)))
-        when = (readings.time_s[rests[jump - 1].stop - 1] + readings.time_s[rests[jump].start]) / 2
+        last, when = _time_of_jump(readings.time_s, rests, off, jump)
         what = (
             f"reads {largest:.2f} deg/s more at rest from {when:.1f} s on than before: its offset "
             "jumps; cut the recording there, or use another sensor"
         )
-        flags = recording.time_s >= when
-        repair = partial(_rates_off, flags=flags, rate_radps=-apart)
+        flags = recording.time_s >= last
+        repair = partial(_rates_off, flags=recording.time_s >= when, rate_radps=-apart)
     elif first and not bad[1:].any():
         what = (
             f"reads {largest:.1f} deg/s more in the first rest than in the others: the frame moves "
@@ -441,14 +443,40 @@ def _jump_at(off: FloatArray) -> int:
     if len(off) < 2 * FEWEST_RESTS:
         return 0
     scatter = 1.48 * np.median(np.abs(np.diff(off, axis=0)), axis=0) / np.sqrt(2)
-    best, at = JUMP_TIMES, 0
+    sure = False
     for k in range(FEWEST_RESTS, len(off) - FEWEST_RESTS + 1):
         apart = np.abs(np.median(off[:k], axis=0) - np.median(off[k:], axis=0))
         sd = 1.25 * np.maximum(scatter, 1e-6) * np.sqrt(1 / k + 1 / (len(off) - k))
-        times = float((apart / sd).max())
-        if times > best and np.linalg.norm(apart) > JUMP_RADPS:
-            best, at = times, k
-    return at
+        sure |= bool((apart / sd).max() > JUMP_TIMES and np.linalg.norm(apart) > JUMP_RADPS)
+    if not sure:
+        return 0
+    # Medians hardly change with some rests of the other side: what is left beside them does.
+    left = [
+        sum(np.abs(part - np.median(part, axis=0)).sum() for part in (off[:k], off[k:]))
+        for k in range(1, len(off))
+    ]
+    return 1 + int(np.argmin(left))
+
+
+def _time_of_jump(
+    time_s: FloatArray, rests: Sequence[slice], off: FloatArray, jump: int
+) -> tuple[float, float]:
+    """End of the last rest that does not show a jump, and when it jumps, s.
+
+    The mean of a rest in which it jumps says when; between two rests it is the middle.
+    """
+    before, after = np.median(off[:jump], axis=0), np.median(off[jump:], axis=0)
+    apart = after - before
+    part = (off - before) @ apart / max(float(apart @ apart), 1e-12)
+    when = (time_s[rests[jump - 1].stop - 1] + time_s[rests[jump].start]) / 2
+    for k in (jump - 1, jump):
+        if INSIDE < part[k] < 1 - INSIDE:
+            begin, end = time_s[rests[k].start], time_s[rests[k].stop - 1]
+            when = end - part[k] * (end - begin)
+    last = jump - 1
+    while last > 0 and part[last] > INSIDE:
+        last -= 1
+    return float(time_s[rests[last].stop - 1]), float(when)
 
 
 def _rates_off(recording: Recording, flags: NDArray[np.bool_], rate_radps: FloatArray) -> Recording:

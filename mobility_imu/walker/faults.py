@@ -11,7 +11,8 @@ multiplies the velocity, and zero stays zero.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -20,8 +21,8 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.faults import Fault, with_costs
-from mobility_imu.frames import FloatArray
+from mobility_imu.faults import Cost, Fault, largest_change, with_costs
+from mobility_imu.frames import FloatArray, shown
 from mobility_imu.health import examine
 from mobility_imu.recording import Recording
 from mobility_imu.walker.calibration import (
@@ -30,28 +31,33 @@ from mobility_imu.walker.calibration import (
     calibrate_from_path,
     check_choices,
 )
-from mobility_imu.walker.fault_checks import FRAME, faults_of_readings, with_reach
-from mobility_imu.walker.follow import checked_options, navigate_recording
+from mobility_imu.walker.fault_checks import FRAME, UNKNOWN, faults_of_readings, with_reach
+from mobility_imu.walker.follow import LATEST_REST_S, checked_options, navigate_recording
+from mobility_imu.walker.gaps import gaps_in_moves, without_gaps
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
 from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
 from mobility_imu.walker.rest_checks import Readings
+from mobility_imu.walker.rounding import coarse_rates
+from mobility_imu.walker.sensor_errors import REST_WORDS
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.tilt_equations import Form
-from mobility_imu.walker.trajectory import Trajectory, estimate_trajectory
+from mobility_imu.walker.trajectory import OPEN_WORDS, Trajectory, estimate_trajectory
 
 __all__ = ["find_faults", "find_tilt_faults", "not_told", "valid_samples"]
 
 NEGLIGIBLE = {"m": 1e-3, "deg": 0.01}
 """A range whose end costs less is not told: a sensor with coarse steps repeats its largest value by
 chance."""
+TILTS_UNKNOWN = "; how the frame tilts there is not known, and the mount may be wrong"
 SAID = (
     (f"{FRAME}_acc is saturated in", "range", f"{FRAME}_acc", ""),
     (f"{FRAME}_gyr is saturated in", "range", f"{FRAME}_gyr", ""),
     ("readings repeat themselves", "frozen", FRAME, ""),
     ("the frame went backward", "turned", FRAME, "of its forward axis"),
     (ODDS_WORDS, "at odds", FRAME, ""),
+    (REST_WORDS, "gravity", f"{FRAME}_acc", ""),
 )
 """Words of a warning, and code, sensor and words of the fault that says the same in its own."""
 
@@ -113,14 +119,20 @@ def find_faults(
     except InputError:
         return tuple(found)
     readings = _readings(recording, path.time_s, path.stationary)
+    for gap in gaps_in_moves(recording, path.stationary):
+        found.append(gap)
+        readings = without_gaps(readings, gap.flags)
     found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
     found += faults_of_path(recording, path, mount, found)
+    found += coarse_rates(recording, path, mount, found)
+    found += _not_closed(recording, path, path_of)
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
         moved = path if changed is recording else path_of(changed)
         return _path_series(moved, path, len(recording))
 
-    return tuple(f for f in with_costs(found, recording, series) if not _negligible(f))
+    priced = with_costs(found, recording, series)
+    return tuple(_carried_back(f, recording, path, path_of) for f in priced if not _negligible(f))
 
 
 def find_tilt_faults(
@@ -178,10 +190,14 @@ def find_tilt_faults(
     try:
         path, stated = mount_of(recording)
     except InputError:
-        return tuple(found)
+        return tuple(_of_tilts(fault) for fault in found)
     readings = _readings(recording, path.time_s, path.still)
+    for gap in gaps_in_moves(recording, path.still):
+        found.append(gap)
+        readings = without_gaps(readings, gap.flags)
     found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
     found += faults_of_tilts(recording, stated.warnings, len(path.time_s), found)
+    found = [_of_tilts(fault) for fault in found]
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
         return _mount_series(stated if changed is recording else mount_of(changed)[1], stated)
@@ -194,12 +210,14 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
 
     A rest brings velocity and tilt back, never place and heading. So a fault that nothing can undo,
     or that moves place (in space) or heading by more than their stated standard deviations at the
-    end, leaves everything from its first sample on not valid. One that costs less touches its own
-    samples, or none if it lasts throughout. One that could be undone, but whose cost is not known,
-    touches its own samples, also if these are all.
+    end, leaves everything from the rest before its first sample on not valid: a smoother carries
+    the error back to there. One that costs less touches its own samples, or none if it lasts
+    throughout. One that could be undone, but whose cost is not known, touches its own samples, also
+    if these are all.
 
-    A start that moves does not count, since the path begins after it. "At odds" counts only where
-    nothing else is told: another fault is its cause.
+    A start that moves does not count, since the path begins after it. "At odds" beside another
+    fault touches its own samples, as that fault may be its cause or not; a lasting one is, where
+    all rests are at odds.
 
     Parameters
     ----------
@@ -209,26 +227,28 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
     Returns
     -------
     (n,) bool array, one flag for each sample of the path
+
+    Raises
+    ------
+    InputError
+        If an argument is of another kind, or a fault is one of another recording.
     """
     expect("found", found, Trajectory)
     valid = np.ones(len(found), np.bool_)
-    sds = {
-        "place": float(np.linalg.norm(found.position_sd_m[-1])),
-        "heading": float(np.rad2deg(found.yaw_sd_rad[-1])),
-    }
-    faults = [fault for fault in faults if fault.code != "start"]
-    causes = [fault for fault in faults if fault.code != "at odds"]
-    for fault in causes or faults:
+    faults = [fault for fault in _checked(faults, found) if fault.code != "start"]
+    alone = all(fault.code == "at odds" for fault in faults)
+    caused = any(fault.code != "at odds" and _lasts(fault, found) for fault in faults)
+    for fault in faults:
         touched = fault.flags[-len(found) :].copy()
-        lasting = (
-            any(cost.largest > sds.get(cost.name, np.inf) for cost in fault.costs)
-            if fault.costs
-            else fault.repair is None
-        )
-        if lasting and touched.any():
-            touched[int(np.argmax(touched)) :] = True
-        small = fault.costs and not lasting
-        if not (small and touched.all()):
+        odds = fault.code == "at odds"
+        if odds and caused and touched[found.stationary].all():
+            continue
+        lasts = _lasts(fault, found) and (alone or not odds)
+        if lasts and touched.any():
+            first = int(np.argmax(touched))
+            rested = np.flatnonzero(found.stationary[:first])
+            touched[rested[-1] if len(rested) else 0 :] = True
+        if lasts or not fault.costs or not touched.all():
             valid &= ~touched
     return valid
 
@@ -244,9 +264,99 @@ def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
     Returns
     -------
     list of str
+
+    Raises
+    ------
+    InputError
+        If an argument is of another kind.
     """
-    faults = tuple(faults)
+    faults = _checked(faults)
+    if isinstance(warnings, str) or not isinstance(warnings, Iterable):
+        raise InputError(f"warnings: got {shown(warnings)}, expected those of a result")
     return [text for text in warnings if not any(_says(fault, text) for fault in faults)]
+
+
+def _carried_back(
+    fault: Fault,
+    recording: Recording,
+    stated: Trajectory,
+    path_of: Callable[[Recording], Trajectory],
+) -> Fault:
+    """Fault whose flags begin where it begins to move the path by more than its deviations.
+
+    The smoother takes an offset that jumps for one that wanders, before the jump as well.
+    """
+    first = int(np.argmax(fault.flags[-len(stated) :]))
+    if fault.repair is None or first == 0 or not _moves_more_than_sd(fault, stated):
+        return fault
+    try:
+        moved = path_of(fault.repair(recording))
+    except InputError:
+        return fault
+    count = min(len(moved), len(stated))
+    place = np.linalg.norm(moved.position_m[-count:] - stated.position_m[-count:], axis=1)
+    turned = np.abs(moved.yaw_rad[-count:] - stated.yaw_rad[-count:])
+    sd_m = np.linalg.norm(stated.position_sd_m[-count:], axis=1)
+    off = place > np.maximum(sd_m, NEGLIGIBLE["m"])
+    off |= turned > np.maximum(stated.yaw_sd_rad[-count:], np.deg2rad(NEGLIGIBLE["deg"]))
+    before = len(recording) - len(stated) + first
+    flags = fault.flags.copy()
+    begin = len(recording) - count + int(np.argmax(off))
+    if off.any() and begin < before:
+        flags[begin:before] = True
+    return replace(fault, flags=flags)
+
+
+def _checked(faults: Iterable[Fault], found: Trajectory | None = None) -> tuple[Fault, ...]:
+    """Faults as a tuple; those of a path may have the few seconds more before its first rest."""
+    if isinstance(faults, Fault) or not isinstance(faults, Iterable):
+        raise InputError(f"faults: got {shown(faults)}, expected those that find_faults gives")
+    faults = tuple(faults)
+    for fault in faults:
+        expect("faults", fault, Fault)
+        if found is None:
+            continue
+        most = len(found) + LATEST_REST_S / float(np.median(np.diff(found.time_s))) + 1
+        if not len(found) <= len(fault.flags) <= most:
+            raise InputError(
+                f"faults: one is of a recording of {len(fault.flags)} samples, the path has "
+                f"{len(found)}: expected the faults of its own recording"
+            )
+    return faults
+
+
+def _lasts(fault: Fault, found: Trajectory) -> bool:
+    """Whether a fault spoils all that comes after it: by more than the sds, or without a repair."""
+    return _moves_more_than_sd(fault, found) if fault.costs else fault.repair is None
+
+
+def _moves_more_than_sd(fault: Fault, found: Trajectory) -> bool:
+    """Whether a fault moves place (in space) or heading by more than their sds at the end."""
+    sds = {
+        "place": float(np.linalg.norm(found.position_sd_m[-1])),
+        "heading": float(np.rad2deg(found.yaw_sd_rad[-1])),
+    }
+    return any(cost.largest > sds.get(cost.name, np.inf) for cost in fault.costs)
+
+
+def _not_closed(
+    recording: Recording, tied: Trajectory, path_of: Callable[..., Trajectory]
+) -> Iterator[Fault]:
+    """A constraint that the path contradicts, with how far it bends the path."""
+    for text in tied.warnings:
+        if text.startswith(OPEN_WORDS):
+            untied = path_of(recording, closed_loop=None)
+            count = len(recording)
+            stated = _path_series(tied, tied, count)
+            bent = _path_series(untied, tied, count)
+            costs = tuple(
+                Cost(name, largest_change(values, bent[name, unit]), unit)
+                for (name, unit), values in stated.items()
+            )
+            yield Fault(
+                "not closed", FRAME, float(recording.time_s[0]), np.ones(count, np.bool_),
+                f"{recording.source}: {text}", costs=costs,
+            )  # fmt: skip
 
 
 def _says(fault: Fault, text: str) -> bool:
@@ -274,6 +384,11 @@ def _with_readings(found: list[Fault], more: list[Fault]) -> list[Fault]:
     if codes & {"lag", "reversed"}:
         found = [fault for fault in found if fault.code != "reversed"]
     return found + more
+
+
+def _of_tilts(fault: Fault) -> Fault:
+    """Fault whose sentence speaks of the mount, where that of a walk speaks of the path."""
+    return replace(fault, sentence=fault.sentence.replace(UNKNOWN, TILTS_UNKNOWN))
 
 
 def _negligible(fault: Fault) -> bool:

@@ -15,7 +15,10 @@ from mobility_imu.readers.geometry import find_table, read_arrays
 from mobility_imu.results import Result
 from mobility_imu.walker.geometry import WalkerGeometry
 
-__all__ = ["WalkerMount"]
+__all__ = ["REACH_M", "WalkerMount"]
+
+REACH_M = 2.0
+"""No frame carries an IMU further from the middle of its rear tips."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,16 +52,20 @@ class WalkerMount(Result):
             ),
         }
         place = arrays["translation_body_m"]
-        if np.abs(place).max() > 2:
+        if np.abs(place).max() > REACH_M:
             raise InputError(
-                f"translation_body_m = {place.tolist()}: expected within 2 m (in cm or mm?)"
+                f"translation_body_m = {place.tolist()}: expected within {REACH_M:g} m "
+                "(in cm or mm?)"
             )
-        for name in ("rotation_sd_rad", "translation_sd_m"):
+        for name, most in (("rotation_sd_rad", np.pi), ("translation_sd_m", REACH_M)):
             value = getattr(self, name)
             if value is not None:
-                arrays[name] = as_vectors(value, name, ndim=1, finite=True)
-                if (arrays[name] < 0).any():
-                    raise InputError(f"{name}: expected three numbers that are not negative")
+                arrays[name] = as_vectors(value, name, ndim=1)
+                if not ((arrays[name] >= 0) & (arrays[name] <= most)).all():
+                    raise InputError(
+                        f"{name} = {arrays[name].tolist()}: expected three numbers between 0 and "
+                        f"{most:.3g}; leave it out if it is not known"
+                    )
         for name, array in arrays.items():
             object.__setattr__(self, name, array.copy())
         super().__post_init__()

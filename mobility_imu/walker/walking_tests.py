@@ -159,7 +159,10 @@ def time_at(steps: Steps, path_m: float) -> float:
     as_number(path_m, "path_m", zero=True)
     path = steps.path_m
     if path_m > path[-1] + _ROUNDING_M:
-        raise InputError(f"the walk is {path[-1]:.2f} m long: shorter than {path_m:g} m")
+        short = path_m - path[-1]
+        raise InputError(
+            f"the walk is {path[-1]:.4g} m long, {short:.2g} m shorter than {path_m:g} m"
+        )
     knots, way = np.r_[steps.lift_s[0], steps.place_s], np.r_[0.0, path]
     k = max(int(np.searchsorted(way, path_m - _ROUNDING_M)), 1)
     fraction = (path_m - way[k - 1]) / (way[k] - way[k - 1])

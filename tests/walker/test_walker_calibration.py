@@ -1,5 +1,6 @@
 """Walker: the mount against simulated truth, and recordings that do not serve."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,12 +10,14 @@ from walker_recordings import (
     FRAME,
     cut_out,
     errors,
+    rebuilt,
     tilt_recording,
 )
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.reproduction.walker.tables import POSES
+from mobility_imu.reproduction.walker.tables import POSES, pose_mount
+from mobility_imu.simulation.levels import LEVELS, tilt_run
 from mobility_imu.simulation.sensor import IDEAL, MTI_1
 from mobility_imu.simulation.walker import (
     REALISTIC,
@@ -27,12 +30,14 @@ from mobility_imu.walker import (
 )
 from mobility_imu.walker.arc_fit import ArcFit
 from mobility_imu.walker.calibration import (
+    _mount,
     _position_from_arcs,
     _with_sensor_errors,
     calibrate_from_path,
 )
 from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import TILT_DIRECTIONS
+from mobility_imu.walker.sensor_errors import REST_WORDS
 from mobility_imu.walker.tilt_detection import Tilt
 
 
@@ -179,3 +184,39 @@ def test_the_larger_of_scatter_and_sensor_errors_is_stated():
     assert (1.2 * arcs.rotation_sd_rad[[0, 2]] < turn[[0, 2]]).all() and turn[[0, 2]].max() < 0.02
     assert np.array_equal(found.mount.translation_sd_m, place)
     assert np.array_equal(found.mount.rotation_sd_rad, turn)
+
+
+@pytest.mark.parametrize("factor", [0.95, 1.05])
+def test_an_accelerometer_whose_scale_spoils_the_mount_is_told(factor):
+    """5 % of its scale move the height by many of its sd; what is stated is what it does."""
+    run, tape = tilt_run(1, "2", LEVELS["realistic"])
+    imu = run.recording.sensor("frame")
+    clean = calibrate_mount(run.recording, tape)
+    assert not any(REST_WORDS in text for text in clean.warnings)
+    found = calibrate_mount(rebuilt(run.recording, acc=factor * imu.acc_mps2), tape)
+    (said,) = (text for text in found.warnings if REST_WORDS in text)
+    moved = np.linalg.norm(found.mount.translation_body_m - clean.mount.translation_body_m)
+    stated = float(re.search(r"about ([\d.]+) m", said)[1])
+    assert stated == pytest.approx(moved, rel=0.25) and moved > 5 * found.translation_sd_m[2]
+    assert ("too much" in said) == (factor > 1)
+
+
+def test_a_mount_beyond_reach_is_no_unit_of_the_user():
+    """He typed no position: the recording is what is wrong."""
+    run, tape = tilt_run(1, "2", LEVELS["realistic"])
+    imu = run.recording.sensor("frame")
+    for scale in (0.7, 0.5, 0.2):
+        wrong = rebuilt(run.recording, acc=imu.acc_mps2 * [1, scale, 1])
+        try:
+            calibrate_mount(wrong, tape)
+        except InputError as error:
+            assert "cm or mm" not in str(error) and "expected" in str(error)
+    with pytest.raises(InputError, match="axes broken"):
+        _mount(np.eye(3), np.array([0.1, -2.5, 0.3]))
+
+
+@pytest.mark.parametrize("sd", [[5.0, 5.0, 5.0], [-0.1, 0, 0], [np.nan, 0, 0], [np.inf, 0, 0]])
+@pytest.mark.parametrize("name", ["translation_sd_m", "rotation_sd_rad"])
+def test_a_deviation_that_cannot_be_is_refused(name, sd):
+    with pytest.raises(InputError, match=f"{name} = .*between 0 and"):
+        replace(pose_mount("1"), **{name: sd})

@@ -1,6 +1,7 @@
 """What the walker's finders promise of each fault: whose it is, its cost, how long it lasts."""
 
 import functools
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from mobility_imu.health import examine
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_kinds import clean_walk
 from mobility_imu.simulation import faults as inject
+from mobility_imu.simulation.walker import RECTANGLE, simulate_walk
 from mobility_imu.walker import (
     ClosedLoop,
     StillnessSettings,
@@ -113,6 +115,23 @@ def test_a_wrong_argument_of_the_tilts_is_named(options, words):
         find_tilt_faults(walked().tilts.recording, walked().tape, **options)
 
 
+def test_flags_and_warnings_take_faults_of_their_recording():
+    given = fault()
+    longer = replace(given, flags=np.r_[np.zeros(4000, np.bool_), given.flags])
+    shorter = replace(given, flags=given.flags[:100])
+    for wrong in (given, 3, None, ["text"], [longer], [shorter]):
+        with pytest.raises(InputError, match="faults"):
+            valid_samples(path(), wrong)
+    for wrong in (given, 3, None, ["text"]):
+        with pytest.raises(InputError, match="faults"):
+            not_told(["text"], wrong)
+    for wrong in ("text", 3, None):
+        with pytest.raises(InputError, match="warnings"):
+            not_told(wrong, [given])
+    with pytest.raises(InputError, match="found"):
+        valid_samples(3, [given])
+
+
 # What a fault costs.
 
 
@@ -131,13 +150,22 @@ def test_samples_that_a_fault_of_unknown_cost_leaves():
     late = len(walked().walk.recording) - len(path())
     for repair, lost in ((None, slice(200, None)), (same, slice(200, 300))):
         kept = valid([fault(at=slice(late + 200, late + 300), repair=repair)])
+        rested = slice(int(np.flatnonzero(path().stationary[:200])[-1]), None)
+        lost = rested if repair is None else lost
         assert not kept[lost].any() and kept.sum() == len(kept) - (~kept[lost]).sum()
         assert not valid([fault(at=whole, repair=repair)]).any()
     small = fault(at=whole, repair=same, costs=(Cost("place", 0.0, "m"),))
     assert valid([small]).all()
     assert valid([fault("start", at=slice(0, late + 5))]).all()
     odds = fault("at odds", at=slice(late + 200, late + 300))
-    assert not valid([odds])[200:].any() and valid([odds, small]).all()
+    assert not valid([odds])[200:].any()
+    beside = valid([odds, small])
+    assert not beside[200:300].any() and beside[:200].all() and beside[300:].all()
+    # The filter's words are of all rests: of a lasting fault, from which they come.
+    everywhere = replace(odds, flags=np.r_[np.zeros(late, np.bool_), path().stationary])
+    lasting = fault(at=slice(late + 400, None))
+    assert (valid([everywhere, lasting]) == valid([lasting])).all()
+    assert (valid([everywhere, small]) == ~path().stationary).all()
 
 
 def test_a_place_is_held_against_its_deviation_in_space():
@@ -269,8 +297,31 @@ def test_an_offset_that_jumps_is_told_from_the_jump_on():
     told = faults_of_readings(wrong, readings_of(wrong), [], StillnessSettings())
     (found,) = [f for f in told if f.code == "offset"]
     assert "jumps" in found.sentence and f"first at {found.first_s:.2f} s" in found.sentence
-    # Between the rests beside 25 s, which one rest may hold.
-    assert 23 < found.first_s < 27 and found.flags[found.flags.argmax() :].all()
+    # From the end of the last rest that does not show it.
+    assert 21 < found.first_s < 25 and found.flags[found.flags.argmax() :].all()
+    when = float(re.search(r"at rest from ([\d.]+) s on", found.sentence)[1])
+    assert when == pytest.approx(25, abs=1)
+
+
+@pytest.mark.parametrize("part", [0.1, 0.3, 0.6, 0.9])
+def test_a_jump_is_dated_wherever_it_is(part):
+    """Within a step; and the path's samples that it moves beyond their sds are not valid."""
+    recording, walk = walked().walk.recording, walked()
+    jump_s = part * recording.time_s[-1]
+    rates = recording.gyroscope("frame").copy()
+    rates[recording.time_s > jump_s] += np.deg2rad([0.0, 2.0, 0.0])
+    imu = replace(recording.sensor("frame"), gyr_radps=rates)
+    wrong = Recording(recording.time_s, {"frame": imu}, source="jumps")
+    told = find_faults(wrong, walk.tape, walk.mount)
+    (found,) = [f for f in told if f.code == "offset"]
+    when = float(re.search(r"at rest from ([\d.]+) s on", found.sentence)[1])
+    assert when == pytest.approx(jump_s, abs=2) and found.first_s <= jump_s
+    moved = estimate_trajectory(wrong, walk.tape, walk.mount)
+    valid = valid_samples(moved, told)
+    count = min(len(moved), len(path()))
+    apart = np.linalg.norm(moved.position_m[-count:] - path().position_m[-count:], axis=1)
+    sd = np.linalg.norm(moved.position_sd_m[-count:], axis=1)
+    assert (apart <= 1.5 * np.maximum(sd, 2e-3))[valid[-count:]].all()
 
 
 def test_a_repair_works_on_the_recording_that_it_is_given():
@@ -512,3 +563,63 @@ def test_an_axis_of_the_accelerometer_with_another_scale_is_no_fault_of_the_gyro
         wrong = inject.scale(recording, "frame", "acc", factors)
         codes = {f.code for f in told(wrong)}
         assert not codes & {"scale", "lag", "reversed"}, codes
+
+
+# A constraint that does not hold.
+
+
+def test_a_loop_that_does_not_close_is_told_with_what_it_bends():
+    """The course ends 2.5 m ahead and 1.5 m aside, half a turn off."""
+    walk = walked()
+    given = {"closed_loop": ClosedLoop()}
+    tied = estimate_trajectory(walk.walk.recording, walk.tape, walk.mount, **given)
+    assert any("does not close" in text and "2.9 m" in text for text in tied.warnings)
+    (found,) = find_faults(walk.walk.recording, walk.tape, walk.mount, **given)
+    assert found.code == "not closed" and not_told(tied.warnings, [found]) == []
+    bent = np.linalg.norm(tied.position_m - path().position_m, axis=1).max()
+    assert {c.name: c.largest for c in found.costs}["place"] == pytest.approx(bent)
+    assert not valid_samples(tied, [found]).any()
+
+
+def test_a_loop_that_closes_is_not_told():
+    level, seed = walked().level, 12
+    motion = simulate_walk(RECTANGLE, seed=seed, imperfections=level.imperfections)
+    walk = walked().followed(motion)
+    given = {"closed_loop": ClosedLoop()}
+    assert find_faults(walk.recording, walked().tape, walked().mount, **given) == ()
+    assert not estimate_trajectory(walk.recording, None, walked().mount, **given).warnings
+
+
+# Gaps, and words of the tilts.
+
+
+def filled(recording, begin_s, length_s):
+    """The recording with a gap that was filled as ``fill_gaps`` does."""
+    imu, time_s = recording.sensor("frame"), recording.time_s
+    kept = (time_s < begin_s) | (time_s > begin_s + length_s)
+    acc, gyr = (
+        np.column_stack([np.interp(time_s, time_s[kept], axis[kept]) for axis in values.T])
+        for values in (imu.acc_mps2, imu.gyr_radps)
+    )
+    return Recording(time_s, {"frame": replace(imu, acc_mps2=acc, gyr_radps=gyr)}, source="gap")
+
+
+def test_a_long_gap_that_was_filled_is_told_and_judges_nothing_else():
+    walk = walked()
+    wrong = filled(walk.walk.recording, 14.0, 2.0)
+    told = find_faults(wrong, walk.tape, walk.mount)
+    assert "gap" in {f.code for f in told} and not {f.code for f in told} & {"lag", "scale"}
+    (gap,) = [f for f in told if f.code == "gap"]
+    assert gap.size == pytest.approx(2.0, abs=0.05) and gap.first_s == pytest.approx(14, abs=0.05)
+    moved = estimate_trajectory(wrong, walk.tape, walk.mount)
+    assert not valid_samples(moved, told)[-len(wrong) + 1400 :].any()
+    assert find_faults(filled(walk.walk.recording, 14.0, 0.1), walk.tape, walk.mount) == ()
+    resting = filled(walk.walk.recording, 0.5, 0.8)
+    assert find_faults(resting, walk.tape, walk.mount) == ()
+
+
+def test_faults_of_tilts_speak_of_the_mount():
+    recording, walk = walked().tilts.recording, walked()
+    for half in ("acc", "gyr"):
+        told = find_tilt_faults(inject.freeze(recording, "frame", half, 8.0, 4.0), walk.tape)
+        assert told and all("path" not in f.sentence for f in told), told

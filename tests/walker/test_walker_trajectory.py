@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from walker_recordings import (
     DATASHEET,
     FRAME,
+    cut_out,
     rebuilt,
     walked,
 )
@@ -203,7 +204,7 @@ def test_the_mounts_errors_are_in_the_paths(tmp_path):
     (tmp_path / "m.toml").write_text(text)
     read = WalkerMount.from_toml(tmp_path / "m.toml")
     assert read.rotation_sd_rad.tolist() == [0.1, 0.2, 0.3] and read.translation_sd_m is None
-    with pytest.raises(InputError, match="not negative"):
+    with pytest.raises(InputError, match="between 0 and"):
         WalkerMount(mount.rotation_imu_to_body, mount.translation_body_m, [-1, 0, 0])
 
 
@@ -315,3 +316,11 @@ def test_each_error_of_a_mount_by_itself_moves_the_path_as_stated():
     found = extra(rotation_sd_rad=[0.0, 0.0, heading_sd])
     assert np.allclose(found[:, :2], across[:, :2] ** 2, rtol=1e-3, atol=1e-7)
     assert not found[:, 2].any() and found.max() > (1.9 * heading_sd) ** 2
+
+
+@pytest.mark.parametrize("samples", [3, 4, 50])
+def test_a_few_samples_are_no_walk(samples):
+    """Their path would have deviations of a hundredth of a millimetre."""
+    recording = walked().recording
+    with pytest.raises(InputError, match="expected a walk"):
+        estimate_trajectory(cut_out(recording, slice(0, samples)), None, pose_mount("1"))

@@ -1,0 +1,127 @@
+"""Errors of the sensor that no tilt shows: what is assumed of them, and what its rests say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from mobility_imu.errors import InputError
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.recording import Imu, Recording
+from mobility_imu.runs import runs_of
+from mobility_imu.walker.mount import REACH_M
+from mobility_imu.walker.navigation import Navigation
+
+__all__ = [
+    "MISALIGNMENT_SD_RAD",
+    "REST_WORDS",
+    "SCALES_OF_ACC",
+    "SCALE_SD",
+    "check_deviations",
+    "off_scale",
+    "scale_at_rest",
+    "wrong_readings",
+]
+
+SCALE_SD = 0.003
+MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))
+"""Assumed errors of the sensor's scale and axes; no tilt shows them."""
+REST_WORDS = "at rest the accelerometer reads"
+OFF_SCALE_TIMES = 3.0
+"""Standard deviations of the mount from which on it is told that the scale which the rests show
+moves it. Our choice, not swept."""
+REST_SD_MPS2, USUAL_SCALE, USUAL_OFFSET_MPS2 = 0.01, 0.05, 0.1
+"""Scatter of gravity's size in a rest, and errors of the accelerometer from which the rests choose:
+where they leave it open, the scale is at fault, which costs more."""
+SCALES_OF_ACC = (1, 10, 19)
+"""Numbers of the recordings of ``wrong_readings`` whose accelerometer has a wrong scale."""
+
+
+def wrong_readings(recording: Recording, acc_bias_mps2: float) -> Iterator[Recording]:
+    """Recordings with one error each: of a scale factor, an axis, or the accelerometer's bias.
+
+    Parameters
+    ----------
+    recording : Recording with a sensor "frame"
+    acc_bias_mps2 : m/s², size of the bias
+
+    Yields
+    ------
+    Recording; 21 of them
+    """
+    acc, gyr = recording.sensor("frame").acc_mps2, recording.gyroscope("frame")
+    for row in range(3):
+        offset = np.zeros(3)
+        offset[row] = acc_bias_mps2
+        yield Recording(recording.time_s, {"frame": Imu(acc + offset, gyr)})
+        for column in range(3):
+            mixing = np.eye(3)
+            mixing[row, column] += SCALE_SD if row == column else MISALIGNMENT_SD_RAD
+            yield Recording(recording.time_s, {"frame": Imu(acc @ mixing.T, gyr)})
+            yield Recording(recording.time_s, {"frame": Imu(acc, gyr @ mixing.T)})
+
+
+def scale_at_rest(path: Navigation, recording: Recording) -> float:
+    """Error of the accelerometer's scale, 1, by which the rests would read gravity's size.
+
+    An offset, which costs hardly anything, is fitted beside it. Only rests that are tilted tell
+    both apart; without them it is the scale.
+
+    Parameters
+    ----------
+    path : Navigation
+    recording : Recording that it is of
+
+    Returns
+    -------
+    float
+    """
+    acc = recording.sensor("frame").acc_mps2[-len(path.time_s) :]
+    means = np.array([acc[rest].mean(axis=0) for rest in runs_of(path.still)])
+    size = np.linalg.norm(means, axis=1)
+    rows = np.column_stack([np.full(len(size), STANDARD_GRAVITY_MPS2), means / size[:, None]])
+    known = np.diag((REST_SD_MPS2 / np.array([USUAL_SCALE, *[USUAL_OFFSET_MPS2] * 3])) ** 2)
+    return float(np.linalg.solve(rows.T @ rows + known, rows.T @ (size - STANDARD_GRAVITY_MPS2))[0])
+
+
+def off_scale(scale: float, moved: FloatArray, place_sd: FloatArray) -> Iterator[str]:
+    """Warn of an accelerometer whose scale moves the mount beyond what its sd allows.
+
+    Parameters
+    ----------
+    scale : error of the accelerometer's scale, 1
+    moved, place_sd : (3,) arrays, m, what it does to the position, and the stated sd of that
+
+    Yields
+    ------
+    str; none if it is within the sd
+    """
+    times = float((np.abs(moved) / place_sd).max())
+    if times > OFF_SCALE_TIMES:
+        yield (
+            f"{REST_WORDS} {abs(100 * scale):.1f} % too "
+            f"{'much' if scale > 0 else 'little'}: if this is its scale, the IMU's position is "
+            f"wrong by about {np.linalg.norm(moved):.2g} m, {times:.1f} of the stated standard "
+            "deviations; calibrate the accelerometer, or use another sensor"
+        )
+
+
+def check_deviations(place_sd: FloatArray, turn_sd: FloatArray) -> None:
+    """Check that a mount is known within what a frame reaches.
+
+    Parameters
+    ----------
+    place_sd, turn_sd : (3,) arrays, m and rad, of the mount's position and rotation
+
+    Raises
+    ------
+    InputError
+        If one is larger: the recording shows no mount.
+    """
+    if not (place_sd.max() <= REACH_M and turn_sd.max() <= np.pi):
+        raise InputError(
+            f"the tilts leave the IMU's position uncertain by {place_sd.max():.2g} m and its axes "
+            f"by {np.rad2deg(turn_sd.max()):.2g} deg (one standard deviation): no mount; is one of "
+            "the sensor's axes broken, or a unit wrong?"
+        )
