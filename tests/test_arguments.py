@@ -159,7 +159,9 @@ def test_results_hold_series_of_one_length():
             if isinstance(getattr(result, field), np.ndarray):
                 # A drive whose ``valid`` is None is valid throughout.
                 values = ("abc", 1.0, np.ones(3), np.ones((400, 1)))
-                for value in values if (result, field) == (drive, "valid") else (None, *values):
+                for value in (
+                    values if field == "valid" and result in (drive, tasks) else (None, *values)
+                ):
                     with pytest.raises(InputError, match=field.removesuffix("s")):
                         replace(result, **{field: value})
         if hasattr(result, "settings"):

@@ -188,9 +188,9 @@ def calibrate(
     for recording in recordings:
         tell_faults(find_faults(recording, scooter), strict)
     found = calibrate_mount(recordings, settings, scooter)
-    if strict and found.doubts:
-        by_file = found.doubts[0].startswith(tuple(one.source for one in recordings))
-        raise InputError(found.doubts[0] if by_file else f"{poses}: {found.doubts[0]}")
+    if strict and found.severe:
+        by_file = found.severe[0].startswith(tuple(one.source for one in recordings))
+        raise InputError(found.severe[0] if by_file else f"{poses}: {found.severe[0]}")
     warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
     outputs.write({output: found.to_toml().encode()})
     read = f"read: {len(parked)} parked recordings, {len(settings)} poses in each"

@@ -127,7 +127,7 @@ class ScooterCalibration(Result):
     warnings : sentences for the user
     pose_sd_rad, prior_sd_rad : rad, what it was made with, see :func:`mount_from_poses`
     misfit_rad : rad, root mean square angle by which the poses miss eq. 5 with this mount
-    doubts : those of the warnings after which the mount must not be used
+    severe : those of the warnings after which the mount must not be used
     """
 
     mount: ScooterMount
@@ -138,7 +138,7 @@ class ScooterCalibration(Result):
     pose_sd_rad: float = POSE_SD_RAD
     prior_sd_rad: float = PRIOR_SD_RAD
     misfit_rad: float = float("nan")
-    doubts: tuple[str, ...] = ()
+    severe: tuple[str, ...] = ()
 
     def to_toml(self, path: str | Path | None = None) -> str:
         """Text of a geometry file with geometry, mount and standard deviations.
@@ -202,7 +202,7 @@ def calibrate_mount(
         for source, some in of_each
         for text in (*_says_length(source, some), *_says_sway(source, some))
     )
-    return replace(found, warnings=(*swayed, *found.warnings), doubts=(*swayed, *found.doubts))
+    return replace(found, warnings=(*swayed, *found.warnings), severe=(*swayed, *found.severe))
 
 
 def mount_from_poses(
@@ -281,14 +281,14 @@ def mount_from_poses(
         f"the poses tell little of the turn of the {name}: park at another slope as well"
         for name in unseen
     ]
-    doubts = _says_turned(found.x, prior_sd)
+    severe = _says_turned(found.x, prior_sd)
     if apart_rad > LARGEST_MISFIT_RAD:
         set_rad = np.column_stack([steering, throttle])
         off = _angles_apart(mount, lever, body, set_rad, geometry)
-        doubts.insert(0, _says_misfit(apart_rad, off))
-    told = (*doubts, *warnings)
+        severe.insert(0, _says_misfit(apart_rad, off))
+    told = (*severe, *warnings)
     return ScooterCalibration(
-        mount, sd, unseen, geometry, told, pose_sd, prior_sd, apart_rad, tuple(doubts)
+        mount, sd, unseen, geometry, told, pose_sd, prior_sd, apart_rad, tuple(severe)
     )
 
 

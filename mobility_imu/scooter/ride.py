@@ -525,7 +525,7 @@ def _contradicted(
 
 
 def _scale_warnings(acc: dict[str, FloatArray], sampling_rate_hz: float) -> tuple[str, ...]:
-    """What is said of accelerometers whose length of gravity no sensor reads."""
+    """Sentences on accelerometers that read a length of gravity which no sound sensor reads."""
     lengths = {name: wrong_length(values, sampling_rate_hz) for name, values in acc.items()}
     return tuple(
         f"{name}_acc is out of scale and reads {length:.3g} m/s² of gravity, expected about "

@@ -63,7 +63,7 @@ TELLING_RADPS = float(np.deg2rad(8.0))
 def at_odds_in_part(w: Witnesses) -> Iterator[Fault]:
     """A sensor whose yaw rate leaves the two others' in some pieces of a drive.
 
-    Nothing is said where one lag, steady or drifting, and one factor of the whole drive explain
+    No fault is told where one lag, steady or drifting, and one factor of the whole drive explain
     most of it: they are looked for first, and :func:`still_at_odds_in_part` looks again.
 
     Parameters

@@ -156,7 +156,10 @@ def test_geometry_and_walks_that_do_not_serve(tmp_path, fails, saved):
         says=["t.csv", "frame_acc_z is 1e+30 m/s²", "sample 120"],
     )
     walk.loc[4000, "frame_gyr_z_radps"] = np.nan
-    fails(*trajectory(walk=saved(walk), mount=TRUE_MOUNT), says=["frame_gyr_z", "nan"])
+    fails(
+        *trajectory(walk=saved(walk), mount=TRUE_MOUNT),
+        says=["line 4002, column frame_gyr_z", "NaN", "correct it"],
+    )
 
 
 def late_gyroscope(table, samples=20):

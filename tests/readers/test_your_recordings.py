@@ -5,14 +5,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from test_health import changed, clean, hold, spiked
 
+from mobility_imu import scooter
 from mobility_imu.cli.main import app
 from mobility_imu.errors import InputError
+from mobility_imu.faults import with_half
 from mobility_imu.health import examine
 from mobility_imu.readers.recordings import understand
 from mobility_imu.readers.streams import FACTORS, held_warnings
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.scooter import ScooterMount
+from mobility_imu.simulation.scooter import COURSES, draw_driver, draw_scooter, simulate_ride
 from mobility_imu.wheelchair.slip import SlipSettings, at_odds
 
 PAGE = (Path(__file__).resolve().parents[2] / "book" / "your_recordings.md").read_text()
@@ -21,6 +26,31 @@ LONGEST_LINE = 72
 
 def boxes():
     return re.findall(r"```(\w+)\n(.*?)```", PAGE, re.DOTALL)
+
+
+def of_a_ride():
+    """Sentences on an accelerometer of a scooter that was made faulty in each way."""
+    unit = draw_scooter(51)
+    ride = simulate_ride(COURSES["curves"], seed=51, unit=unit, driver=draw_driver(51)).recording
+    mount = ScooterMount(*(Rotation.from_rotvec(t).as_matrix() for t in unit.mountings.values()))
+    acc = np.array(ride.sensor("lever").acc_mps2)
+    noise = np.random.default_rng(1).normal(0, 0.01, acc.shape)
+    part = (ride.time_s >= 8) & (ride.time_s < 11)
+    fresh = np.arange(len(ride))
+    fresh -= np.where(fresh % 50 < 15, fresh % 50, 0)
+    turn = Rotation.from_euler("y", 40, degrees=True).as_matrix()
+    late, body = (ride.time_s > ride.time_s[-1] / 2)[:, None], ride.sensor("body")
+    slipped = Imu(*(np.where(late, v @ turn.T, v) for v in (body.acc_mps2, body.gyr_radps)))
+    changes = {
+        "no gravity": with_half(ride, "lever", "acc", np.where(part[:, None], noise, acc)),
+        "scale": with_half(ride, "lever", "acc", 2 * acc),
+        "held": with_half(ride, "lever", "acc", acc[fresh]),
+        "reversed": with_half(ride, "lever", "acc", acc * [-1, 1, 1]),
+        "slipped": Recording(ride.time_s, {"lever": ride.sensor("lever"), "body": slipped}),
+    }
+    for code, faulty in changes.items():
+        found = scooter.find_faults(faulty, scooter.SUZUKI_ET4D, mount)
+        yield next(fault.told for fault in found if fault.code == code)
 
 
 def of_sensors():
@@ -37,6 +67,7 @@ def of_sensors():
     for change in changes:
         (fault,) = examine(changed(drive, wheel, gyr=change))
         yield fault.told
+    yield from of_a_ride()
     twice = {name: drive.sensor(wheel) for name in (wheel, "right_wheel")}
     yield from (fault.told for fault in examine(Recording(drive.time_s, twice)))
 

@@ -95,12 +95,12 @@ def calibrated(spoil=lambda acc, time_s: acc, sensor="body"):
 def test_a_sound_calibration_has_no_doubts(level):
     """Phones' uncalibrated sensors lead to turns of several deg; they are no fault."""
     found = calibrate_mount(car_park(sensor=level), PARKED_POSES_RAD, SUZUKI_ET4D)
-    assert found.doubts == () and found.warnings == ()
+    assert found.severe == () and found.warnings == ()
 
 
 def test_a_turn_that_is_no_mounting_is_told():
     found = calibrated(lambda acc, _: acc[:, [2, 1, 0]])
-    (told,) = found.doubts
+    (told,) = found.severe
     assert "the body's IMU would be turned by 9" in told or "turned by 8" in told
     assert told in found.warnings
 
@@ -108,7 +108,7 @@ def test_a_turn_that_is_no_mounting_is_told():
 def test_poses_that_fit_no_mount_state_a_larger_standard_deviation():
     """A sign of the lever's accelerometer leaves a misfit of many deg; the sd grows with it."""
     sound, found = calibrated(), calibrated(lambda acc, _: acc * [-1, 1, 1], "lever")
-    assert "the poses fit no mount" in found.doubts[0]
+    assert "the poses fit no mount" in found.severe[0]
     assert found.misfit_rad > 5 * sound.misfit_rad
     assert (found.sd_rad > 5 * sound.sd_rad).all()
 
@@ -119,8 +119,8 @@ def test_a_body_that_leans_in_one_pose_of_a_parked_recording_is_told():
         return acc
 
     found = calibrated(shifted)
-    assert len(found.doubts) == 2
-    assert "in pose 1 gravity lies 5.8 deg otherwise in the body's IMU" in found.doubts[0]
+    assert len(found.severe) == 2
+    assert "in pose 1 gravity lies 5.8 deg otherwise in the body's IMU" in found.severe[0]
 
 
 def test_angles_that_no_control_has_are_refused():
@@ -156,7 +156,7 @@ def test_a_pose_without_gravity_is_told():
         return acc
 
     found = calibrated(off_for_seconds, "lever")
-    assert re.search(r"in pose \d the lever's IMU reads .* m/s², where gravity is", found.doubts[0])
+    assert re.search(r"in pose \d the lever's IMU reads .* m/s², where gravity is", found.severe[0])
 
 
 def test_exchanged_names_of_a_parked_recording_are_told():
