@@ -11,7 +11,7 @@ from mobility_imu.reproduction.walker import faults
 from mobility_imu.reproduction.walker.fault_kinds import KINDS, TILT_KINDS
 
 RECORD = "faults_walker"
-TOLD, RIGHT, TOLD_LARGE, TILTS_ALARMED = 0.81, 0.78, 0.94, 0.03
+TOLD, RIGHT, TOLD_LARGE, TILTS_ALARMED = 0.81, 0.78, 0.93, 0.03
 
 
 @pytest.mark.parametrize("kind", ["reversed gyroscope", "clock", "rolls", "tilts, scale"])
@@ -101,7 +101,7 @@ def test_what_the_record_says_of_all_kinds():
     """Floors under the computed figures. 98 % told and 1 % of false alarms of tilts are missed.
 
     Of the faults that move the result by more than two stated deviations four in five are told, of
-    those that move it by more than ten 94 %.
+    those that move it by more than ten 93 %. Lags below 0.07 s, which sound walks show, are not told.
     """
     kept = numbers(RECORD)
     cases = faults.table(kept)
