@@ -20,7 +20,7 @@ KEYS = {"held_drives": "drive", "held_walks": "walk", "held_feet": "walk"}
 CHANGED_SINCE = {
     # `check` assumes gyroscopes as they leave the factory: asked for before the first run, since it
     # called right geometries of simulated chairs wrong. A gyroscope that is cut is replaced by the
-    # other two: found on injected faults, with no look at these drives. One that is cut in more than
+    # other two: found on injected faults, with no look at these drives. One cut in more than
     # half of the samples is seen: found on a simulated drive; on the sidewalk both wheels' are.
     "held_drives": {"track_m", "track_sd_m", "wheels_turn_deg", "slip", "residual_degps"},
     # The path counts what a gyroscope's scale does to it: found on simulated rectangles.

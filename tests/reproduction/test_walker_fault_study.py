@@ -101,7 +101,7 @@ def test_what_the_record_says_of_all_kinds():
     """Floors under the computed figures. 98 % told and 1 % of false alarms of tilts are missed.
 
     Of the faults that move the result by more than two stated deviations four in five are told, of
-    those that move it by more than ten 93 %. Lags below 0.07 s, which sound walks show, are not told.
+    those that move it by more than ten 93 %. Lags below 0.07 s are not told: sound walks show them.
     """
     kept = numbers(RECORD)
     cases = faults.table(kept)
