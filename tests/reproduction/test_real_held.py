@@ -57,11 +57,6 @@ def test_nothing_that_was_held_back_is_among_what_was_looked_at(name):
 
 
 @pytest.mark.parametrize("name", HELD_OF)
-def test_the_record_is_of_this_code(name):
-    assert not recorded.is_stale(name)
-
-
-@pytest.mark.parametrize("name", HELD_OF)
 def test_numbers_are_those_of_the_first_run_but_for_what_is_named(name):
     rows, first, changed = rows_of(name), first_run(name), set()
     assert set(rows) == set(first)

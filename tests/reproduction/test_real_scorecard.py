@@ -47,11 +47,6 @@ def test_rows_are_of_the_basis_and_have_a_number(name):
         assert outcome.verdict in ("agrees", "differs") and claim.why in get_args(Why)
 
 
-@pytest.mark.parametrize("name", HINGES)
-def test_the_record_of_hinges_is_of_this_code(name):
-    assert not recorded.is_stale(name)
-
-
 @pytest.mark.slow  # part by part in scooter/test_scooter_real.py
 @pytest.mark.parametrize("name", HINGES)
 def test_hinges_give_the_recorded_numbers_again(name):

