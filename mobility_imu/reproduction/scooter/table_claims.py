@@ -142,7 +142,7 @@ def _ours(row: str, column: str, quantity: str) -> float:
 
 
 def _maes(mode: Mode, columns: str = "abcde", *, ours: bool = False) -> FloatTable:
-    """MAE by row and column, deg, as printed or by geometry alone."""
+    """MAE by row and column, deg, as in the paper or by geometry alone."""
     return {
         (row, column): (
             _table()[row, column, f"{mode}_mae"]
@@ -260,7 +260,7 @@ def _crosstalk(
 
 
 def largest_mae(mode: Mode, columns: str) -> str:
-    """Cell of Table 1 with the largest printed MAE, as in "4-a".
+    """Cell of Table 1 with the largest MAE of the paper, as in "4-a".
 
     Parameters
     ----------
@@ -278,7 +278,7 @@ def largest_mae(mode: Mode, columns: str) -> str:
 
 
 def _of_the_text() -> list[Claim]:
-    """Shares of the ranges, data rate, equations, and the other study's accuracy."""
+    """Percentages of the ranges, data rate, equations, and the other study's accuracy."""
     recomputed = partial(
         Claim, work="scooter", basis="published numbers recomputed", tolerance_reason=COUNT_REASON
     )
