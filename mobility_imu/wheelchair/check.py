@@ -91,6 +91,7 @@ track, so that an offset moves neither track nor radii; beyond what a gyroscope 
 taken for a turn."""
 ALIKE = 0.95
 """Correlation from which on wheels and frame go together: their factor is the geometry's."""
+NO_VERDICT_WHY = "a sensor failed, so there is no verdict on track, radii and camber"
 NO_VERDICT = MappingProxyType(
     {"judged": False, "fits": False}
     | dict.fromkeys(
@@ -229,23 +230,15 @@ def check_geometry(
         recording, yaw, wheels[0], wheels[1], (left + right) / 2, right - left, usable, gyroscopes
     )
     together = _go_together(parts)
-    faulty = [
-        fault.sentence for fault in faults if _spoils(fault, agreement["turned_rad"], together)
-    ]
-    beside = [fault.sentence for fault in faults if fault.code == "mirrored" and not faulty]
-    verdict: dict[str, Any] = (
-        {
-            "warnings": (
-                "a sensor failed, so there is no verdict on track, radii and camber",
-                *faulty,
-            )
-        }
-        if faulty
-        else _verdict(parts, geometry, mount, found, agreement)
-    )
+    faulty = [f.sentence for f in faults if _spoils(f, agreement["turned_rad"], together)]
+    if faulty:
+        verdict: dict[str, Any] = {"warnings": (NO_VERDICT_WHY, *faulty)}
+    else:
+        verdict = _verdict(parts, geometry, mount, found, agreement)
+        warnings = (*(f.sentence for f in faults if f.code == "mirrored"), *warnings)
     return GeometryCheck(
         **agreement,
-        **{**NO_VERDICT, **verdict, "warnings": (*verdict["warnings"], *beside, *warnings)},
+        **{**NO_VERDICT, **verdict, "warnings": (*verdict["warnings"], *warnings)},
         geometry=geometry,
         offsets=found,
     )
