@@ -100,7 +100,8 @@ class Witnesses(Result):
     given : offsets of other recordings
     failed : sensor to (n,) bool array, gyroscopes that fail
     settings : VelocitySettings
-    mute : sensors whose gyroscope fails too long to judge others by
+    mute : sensors that fail too long to judge others by: their gyroscope does, or an axis of it, or
+        the accelerometer by which a wheel's gyroscope knows the yaw rate
     touched : (n,) bool array, samples that faults of one sensor touch; none if None
     """
 

@@ -64,7 +64,7 @@ SHORTEST_S = 5.0
 SLOWEST_HZ = 10.0
 """A wheel at 4 m/s turns twice in a second: slower recordings do not show its turning."""
 MUTE_PART = 0.3
-"""A gyroscope that fails for more of the time is not used to judge others. Set by hand on simulated
+"""A sensor that fails for more of the time is not used to judge others. Set by hand on simulated
 courts that the study of faults does not use."""
 
 Look = Callable[[Witnesses], Iterator[Fault]]
@@ -228,8 +228,7 @@ def _witnesses(
     """Witnesses of a recording in which what each sensor shows by itself is mended."""
     own, failed = list(own), _failed(recording, geometry, mount)
     mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
-    dead = [f for f in own if f.code == "dead axis" and f.flags.mean() > MUTE_PART]
-    mute |= {_parts(fault.sensor)[0] for fault in dead}
+    mute |= {_parts(fault.sensor)[0] for fault in own if _mutes(fault)}
     touched = np.any([f.flags for f in own if not f.flags.all()] + [*failed.values()], axis=0)
     return Witnesses(
         all_repaired(own, recording),
@@ -241,6 +240,20 @@ def _witnesses(
         frozenset(mute),
         touched if np.ndim(touched) else None,
     )
+
+
+def _mutes(fault: Fault) -> bool:
+    """Whether a sensor's fault leaves no yaw rate that others are judged by.
+
+    A wheel's gyroscope knows it by gravity only, so that its accelerometer counts too; the frame's
+    knows it by itself.
+    """
+    sensor, half = _parts(fault.sensor)
+    if fault.flags.mean() <= MUTE_PART:
+        return False
+    if half == "acc":
+        return sensor != "frame" and fault.code in ("dead axis", "frozen")
+    return fault.code == "dead axis"
 
 
 def _slow_clock(recording: Recording) -> Fault:
