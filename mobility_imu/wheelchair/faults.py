@@ -517,7 +517,8 @@ EXPLAINS = frozenset(
     }
 )
 """Codes of faults for which wheels and frame may disagree throughout. Where they still do once the
-others are mended, the look :func:`~mobility_imu.wheelchair.frame_faults.at_odds` tells it."""
+others are mended, the look :func:`~mobility_imu.wheelchair.frame_faults.at_odds` tells it. Those of
+an accelerometer alone explain nothing: the yaw rates that are compared are of gyroscopes."""
 
 
 def ranges_told(recording: Recording, faults: Iterable[Fault]) -> set[str]:
@@ -577,7 +578,7 @@ def not_told(
             unreplaced(failed, names),
         )
     )
-    if any(fault.code in EXPLAINS for fault in faults):
+    if any(fault.code in EXPLAINS and _parts(fault.sensor)[1] != "acc" for fault in faults):
         known |= set(
             at_odds(
                 drive.slip,
