@@ -29,7 +29,7 @@ from mobility_imu.wheelchair import (
     wheel_faults,
 )
 from mobility_imu.wheelchair.contradictions import Witnesses, lone_jumps
-from mobility_imu.wheelchair.dead_axis import without_axis
+from mobility_imu.wheelchair.dead_axis import with_axis_repair
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
 from mobility_imu.wheelchair.recovery import (
@@ -328,7 +328,7 @@ def _of_one_sensor(
         elif half != "gyr" or sensor not in CHAIR or fault.code not in REPLACED:
             found.append(fault)
         elif fault.code == "dead axis":
-            found.append(_dead(one, fault, sensor))
+            found.append(with_axis_repair(fault, sensor, recording, geometry, mount))
         elif fault.code == "range":
             found.append(_replaced(one, fault, sensor, fault.flags))
         elif sensor in failed:  # other repetitions are exact readings of a steady motion
@@ -350,24 +350,6 @@ def _of_one_sensor(
 
 REPLACED = frozenset({"frozen", "range", "dead axis"})
 """Codes of faults of a chair's gyroscope that the others undo better than its own readings."""
-
-
-def _dead(one: _Own, fault: Fault, sensor: str) -> Fault:
-    """A dead axis with its repair; on a wheel, it takes the frame's gyroscope."""
-    recording, mount = one.recording, one.mount
-    needed = ("frame",) if sensor == "frame" else ("frame", sensor)
-    mounted = {
-        "frame": True,
-        "left_wheel": mount.rotation_left_imu_to_wheel is not None,
-        "right_wheel": mount.rotation_right_imu_to_wheel is not None,
-    }
-    there = all(
-        mounted[n] and n in recording.sensors and recording.sensors[n].gyr_radps is not None
-        for n in needed
-    )
-    axis = "xyz".index(fault.sensor[-1])
-    repair = partial(without_axis, sensor=sensor, axis=axis, geometry=one.geometry, mount=mount)
-    return replace(fault, repair=repair if there else None)
 
 
 def _jumps(recording: Recording, name: str, gyr_radps: FloatArray, far: NDArray[np.bool_]) -> Fault:
