@@ -228,7 +228,9 @@ def _witnesses(
     """Witnesses of a recording in which what each sensor shows by itself is mended."""
     own, failed = list(own), _failed(recording, geometry, mount)
     mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
-    mute |= {_parts(fault.sensor)[0] for fault in own if _mutes(fault)}
+    blind = frozenset(_long_lost(own, "acc", "dead axis", "frozen"))
+    # The frame knows its yaw rate without gravity; where gyroscopes are frozen is known better.
+    mute |= _long_lost(own, "gyr", "dead axis") | (blind - {"frame"})
     touched = np.any([f.flags for f in own if not f.flags.all()] + [*failed.values()], axis=0)
     return Witnesses(
         all_repaired(own, recording),
@@ -239,21 +241,14 @@ def _witnesses(
         settings,
         frozenset(mute),
         touched if np.ndim(touched) else None,
+        blind,
     )
 
 
-def _mutes(fault: Fault) -> bool:
-    """Whether a sensor's fault leaves no yaw rate that others are judged by.
-
-    A wheel's gyroscope knows it by gravity only, so that its accelerometer counts too; the frame's
-    knows it by itself.
-    """
-    sensor, half = _parts(fault.sensor)
-    if fault.flags.mean() <= MUTE_PART:
-        return False
-    if half == "acc":
-        return sensor != "frame" and fault.code in ("dead axis", "frozen")
-    return fault.code == "dead axis"
+def _long_lost(own: Iterable[Fault], half: str, *codes: str) -> set[str]:
+    """Sensors with a half that has a fault of these kinds for too long."""
+    lost = [f for f in own if f.code in codes and f.flags.mean() > MUTE_PART]
+    return {name for name, which in (_parts(fault.sensor) for fault in lost) if which == half}
 
 
 def _slow_clock(recording: Recording) -> Fault:

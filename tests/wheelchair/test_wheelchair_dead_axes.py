@@ -28,6 +28,8 @@ def test_a_dead_axis_of_the_frames_accelerometer_hides_no_fault_of_its_gyroscope
     """The frame's gyroscope knows the yaw rate without it."""
     trial = drive().trial
     mine = ("dead axis", f"frame_acc_{'xyz'[axis]}")
+    zero = inject.scale(trial, "frame", "acc", np.where(np.arange(3) == axis, 0.0, 1.0))
+    assert told(zero) == {mine}  # and it leans by nothing
     assert told(dead(trial, "frame", "acc", axis)) == {mine}
     late = told(dead(inject.late(trial, "left_wheel", 0.3), "frame", "acc", axis))
     assert ("lag", "left_wheel") in late and ("lag", "right_wheel") not in late
