@@ -227,7 +227,7 @@ def wrong_scale_or_offset(w: Witnesses) -> Iterator[Fault]:
         and abs(offset) > max(LEAST_OFFSET_RADPS, SURE * offset_sd)
     ):
         up = w.mount.rotation_frame_imu_to_chair[2]
-        yield offset_fault(w.recording, "frame", up, offset, offset_sd, _wheels(w))
+        yield offset_fault(w, "frame", up, offset, offset_sd, _wheels(w))
 
 
 def _wheels(w: Witnesses) -> str:

@@ -1,5 +1,7 @@
 """Offsets that a chair's rests show and a constant does not undo."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 from faulty import SENSORS, calibration, drive, look, of_code
@@ -72,6 +74,40 @@ def test_a_large_offset_is_told_as_one(sensor, size):
     assert {cost.name for cost in found.costs if cost.largest > 0} >= {
         "turn" if sensor == "frame" else "distance"
     }
+
+
+def with_offsets(names, size_degps):
+    trial = drive().trial
+    for name in names:
+        main = drive().court.mounting[name].rotation_body_to_imu[:, 2]
+        trial = inject.offset(trial, name, "gyr", np.deg2rad(size_degps) * main)
+    return trial
+
+
+@pytest.mark.parametrize("names", list(combinations(SENSORS, 2)))
+def test_two_large_offsets_are_both_told(names):
+    """The third stands: they were told as scales, or as offsets that no rest shows."""
+    found = look(with_offsets(names, 20.0))
+    assert [(fault.code, fault.sensor) for fault in found] == [
+        ("offset", f"{name}_gyr") for name in names
+    ]
+    assert all("while the chair stands" in fault.sentence for fault in found)
+
+
+def test_what_rests_show_is_not_said_to_be_shown_by_none():
+    """Three that read much may turn steadily; gravity shows an offset all the same."""
+    for fault in of_code(look(with_offsets(SENSORS, 20.0)), "offset"):
+        assert "its rests show more than any sound sensor's offset" in fault.sentence
+        assert "no rest of the drive" not in fault.sentence
+
+
+def test_a_steady_turn_of_all_is_no_offset():
+    """Each reads the same turn, about another axis of its own."""
+    trial = drive().trial
+    turn = np.deg2rad([12.0, 0.0, 0.0]), np.deg2rad([7.0, 7.0, 7.0]), np.deg2rad([0.0, 12.0, 0.0])
+    for name, rates in zip(SENSORS, turn, strict=True):
+        trial = inject.offset(trial, name, "gyr", rates)
+    assert not any("while the chair stands" in fault.sentence for fault in look(trial))
 
 
 def test_a_small_change_and_a_constant_are_no_fault():
