@@ -12,12 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mobility_imu.faults import Fault, with_half, without_offset
+from mobility_imu.faults import Fault, without_offset
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.offsets import LARGE_OFFSET_RADPS, LARGE_SD_RADPS, common_rest, rest_blocks
 from mobility_imu.quality import LARGEST_OFFSET_RADPS
-from mobility_imu.recording import Recording
 from mobility_imu.wheelchair.contradictions import Witnesses
 from mobility_imu.wheelchair.recovery import tied_rate
 
@@ -114,22 +113,19 @@ def _change_of(times: FloatArray, blocks: FloatArray, count: int) -> _Change | N
     """Change of an offset that its rests surely show."""
     if len(blocks) < 2 * FEWEST_BLOCKS:
         return None
-    best: _Change | None = None
+    whole = float(times[0]), float(times[-1])
+    found = []
     for k in range(FEWEST_BLOCKS, len(blocks) - FEWEST_BLOCKS + 1):
         ends = np.median(blocks[:k], axis=0), np.median(blocks[k:], axis=0)
         left = np.vstack([blocks[:k] - ends[0], blocks[k:] - ends[1]])
-        scatter = _scatter(left)
-        if best is None or scatter < best.scatter_radps:
-            step = float(times[k - 1]), float(times[k])
-            best = _Change(scatter, step, ends, (float(times[0]), float(times[-1])))
+        step = float(times[k - 1]), float(times[k])
+        found.append(_Change(_scatter(left), step, ends, whole))
     if np.ptp(times) > LONG_PART * count:
         design = np.column_stack([times, np.ones(len(times))])
         line = np.linalg.lstsq(design, blocks, rcond=None)[0]
-        scatter, ends = _scatter(blocks - design @ line), design[[0, -1]] @ line
-        if best is None or scatter < best.scatter_radps:
-            best = _Change(scatter, None, (ends[0], ends[1]), (float(times[0]), float(times[-1])))
-    if best is None:
-        return None
+        first, last = design[[0, -1]] @ line
+        found.append(_Change(_scatter(blocks - design @ line), None, (first, last), whole))
+    best = min(found, key=lambda change: change.scatter_radps)
     size = float(np.linalg.norm(best.by_radps))
     return best if size > max(LARGE_OFFSET_RADPS, SURE * best.scatter_radps) else None
 
@@ -186,7 +182,7 @@ def changing_offsets(w: Witnesses) -> Iterator[Fault]:
             w.recording, "offset", f"{name}_gyr", flags,
             f"{what}: one constant is taken off, which is wrong there; leave these times out, or "
             "record again", size=size, unit="deg/s",
-            repair=partial(_without_series, sensor=name, series_radps=offset - taken),
+            repair=partial(without_offset, sensor=name, offset_radps=offset - taken),
         )  # fmt: skip
 
 
@@ -208,7 +204,3 @@ def _time_of(w: Witnesses, name: str, change: _Change, taken: FloatArray) -> int
     apart = apart - float(main[2] @ ((change.ends[0] + change.ends[1]) / 2 - taken))
     gained = np.cumsum(np.clip(apart * np.sign(step), -abs(step), abs(step)))
     return first + int(np.argmin(gained)) + 1 if len(gained) else middle
-
-
-def _without_series(recording: Recording, sensor: str, series_radps: FloatArray) -> Recording:
-    return with_half(recording, sensor, "gyr", recording.gyroscope(sensor) - series_radps)
