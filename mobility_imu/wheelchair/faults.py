@@ -398,12 +398,8 @@ def _whole_sensors(one: _Own, found: Sequence[Fault]) -> Iterator[Fault]:
             yield fault
         elif half == "gyr":
             assert acc is not None
-            repair = partial(_in_turn, faults=(acc, fault))
+            repair = partial(all_repaired, (acc, fault))
             yield _stand_in(one, replace(fault, sensor=sensor, repair=repair), sensor)
-
-
-def _in_turn(recording: Recording, faults: Sequence[Fault]) -> Recording:
-    return all_repaired(faults, recording)
 
 
 def _replaced(one: _Own, fault: Fault, sensor: str, flags: NDArray[np.bool_]) -> Fault:
