@@ -20,7 +20,7 @@ from mobility_imu.quality import LARGEST_OFFSET_RADPS
 from mobility_imu.wheelchair.contradictions import Witnesses
 from mobility_imu.wheelchair.recovery import tied_rate
 
-__all__ = ["FEWEST_BLOCKS", "changing_offsets", "large_offsets", "rests"]
+__all__ = ["FEWEST_BLOCKS", "changes", "changing_offsets", "large_offsets", "rests"]
 
 FEWEST_BLOCKS = 4
 """Half seconds of rest on each side of a change: a motion that passes for a rest is shorter."""
@@ -184,6 +184,21 @@ def changing_offsets(w: Witnesses) -> Iterator[Fault]:
             "record again", size=size, unit="deg/s",
             repair=partial(without_offset, sensor=name, offset_radps=offset - taken),
         )  # fmt: skip
+
+
+def changes(fault: Fault) -> bool:
+    """Whether a fault is an offset that changes within the drive.
+
+    Parameters
+    ----------
+    fault : Fault
+
+    Returns
+    -------
+    bool
+    """
+    taken = fault.repair.keywords if isinstance(fault.repair, partial) else {}
+    return fault.code == "offset" and np.ndim(taken.get("offset_radps", 0.0)) > 1
 
 
 def _time_of(w: Witnesses, name: str, change: _Change, taken: FloatArray) -> int:

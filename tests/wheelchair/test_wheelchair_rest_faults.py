@@ -1,5 +1,6 @@
 """Offsets that a chair's rests show and a constant does not undo."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -8,8 +9,10 @@ from faulty import SENSORS, calibration, drive, look, of_code
 
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation import faults as inject
-from mobility_imu.wheelchair import estimate_velocity
+from mobility_imu.wheelchair import check_geometry, estimate_velocity
+from mobility_imu.wheelchair.check import NO_VERDICT_WHY
 from mobility_imu.wheelchair.faults import with_valid
+from mobility_imu.wheelchair.rest_faults import changes
 
 
 def changed(sensor, series_degps):
@@ -60,6 +63,27 @@ def test_a_drift_is_told_as_one():
     assert found.code == "offset" and "drifts by" in found.sentence
     assert found.size == pytest.approx(4.0, abs=0.6)
     assert found.flags.any() and not found.flags.all()
+
+
+CHANGES = {
+    "a step": lambda sensor: stepped(sensor, 3.0, 0.5)[0],
+    "a drift": lambda sensor: changed(sensor, np.linspace(0, 4.0, len(drive().trial))),
+}
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+@pytest.mark.parametrize("kind", CHANGES)
+def test_the_geometry_is_not_judged_with_an_offset_that_changes(kind, sensor):
+    """One constant is fitted with the track, which is wrong in a part of the drive."""
+    faulty, cal = CHANGES[kind](sensor), calibration()
+    found = check_geometry(faulty, drive().court.geometry, cal.mount, offsets=cal.offsets)
+    (told,) = of_code(look(faulty), "offset")
+    assert told.sentence in found.warnings and found.warnings[0] == NO_VERDICT_WHY
+    assert not found.judged and not found.fits and np.isnan(found.track_m)
+    # All of its samples may be touched: that it changes is another thing.
+    everywhere = replace(told, flags=np.ones(len(faulty), np.bool_))
+    assert changes(told) and changes(everywhere)
+    assert not changes(of_code(look(with_offsets(["frame"], 20.0)), "offset")[0])
 
 
 @pytest.mark.parametrize("sensor", SENSORS)
