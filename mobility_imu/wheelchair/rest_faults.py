@@ -29,7 +29,7 @@ LITTLE = 0.5
 its axes lie otherwise, but the size of a steady turn is the same. Our choice, not swept."""
 SURE = 4.0
 """Times the scatter of the half seconds, from which on a change is told. Set by hand, like the two
-parts that follow, on simulated courts that the study of faults does not use."""
+parts that follow, and not swept; none by the courts of the study of faults."""
 LONG_PART = 0.5
 """Part of a drive over which rests have to lie to show a drift."""
 WITNESS_PART = 0.5
