@@ -161,7 +161,8 @@ def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings)
         An axis that is dead throughout has no repair, and its sentence says so. A cut range is
         repaired by a curve over each cut, or has no repair if too much is cut. A frozen half, or an
         axis that is dead for some time, is bridged by a line if that is shorter than ``BRIDGED_S``
-        or the other half shows no motion meanwhile, or has no repair.
+        or the other half shows no motion meanwhile, or has no repair; nor has an axis
+        that is dead from the beginning or to the end, and moves meanwhile.
         Faults of other kinds are as they were.
     """
     if fault.code == "dead axis" and fault.flags.all():
@@ -184,10 +185,17 @@ def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings)
         if fault.sensor.startswith(f"{FRAME}_gyr")
         else turns > stillness.rate_radps
     )
+    if not (moves & fault.flags).any():
+        return replace(fault, repair=fault.repair or _as_it_is)
     longest = max(run.stop - run.start for run in runs_of(fault.flags)) / rate_hz
-    if longest <= BRIDGED_S or not (moves & fault.flags).any():
+    if longest <= BRIDGED_S and fault.repair is not None:
         return fault
     return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
+
+
+def _as_it_is(recording: Recording) -> Recording:
+    """Recording whose axis repeats its reading at one end of it, at rest: nothing is lost."""
+    return recording
 
 
 def _peaks_back(recording: Recording, half: str, flags: NDArray[np.bool_]) -> Recording:
