@@ -65,9 +65,10 @@ lock:                     ## renew constraints.txt: the newest versions within t
 clean:                    ## forget built pages, executed notebooks and wheels
 	rm -rf _build build dist
 
+# Python compiles what is imported; pip would compile everything, one file after the other.
 $(VENV)/.installed: requirements.txt constraints.txt pyproject.toml setup.py
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --disable-pip-version-check --quiet -r requirements.txt
+	$(BIN)/python -m pip install --disable-pip-version-check --quiet --no-compile -r requirements.txt
 	mkdir -p $(VENV)/etc/ipython
 	echo "c.IPKernelApp.log_level = 'ERROR'  # kernels talk to this machine only: no notice of it" \
 	    > $(VENV)/etc/ipython/ipython_kernel_config.py

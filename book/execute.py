@@ -29,6 +29,7 @@ sys.path[:0] = [
     str(ROOT / "book"),
 ]  # the package of this checkout, whichever is installed
 
+from kernels import forked_kernels  # noqa: E402
 from modules import write_pages  # noqa: E402
 
 from mobility_imu.reproduction import imports  # noqa: E402
@@ -113,7 +114,11 @@ def execute(chosen: list[Path]) -> int:
     workers = min(os.cpu_count() or 1, len(stale)) if len(stale) > 1 else 0
     begun = time.time()
     # nbmake passes over whatever lies in a folder named _build: run elsewhere, then move.
-    with tempfile.TemporaryDirectory(prefix="notebooks-") as folder:
+    with (
+        tempfile.TemporaryDirectory(prefix="notebooks-") as folder,
+        tempfile.TemporaryDirectory(prefix="kernels-") as spec,
+        forked_kernels(Path(spec)) as (options, variables),
+    ):
         room = Path(folder)
         for notebook in stale:
             (room / notebook).parent.mkdir(parents=True, exist_ok=True)
@@ -123,11 +128,11 @@ def execute(chosen: list[Path]) -> int:
                 *(sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"),
                 *("-c", os.devnull, "--rootdir", folder, "--durations=5"),
                 *("-n", str(workers), "--dist", "worksteal"),
-                *("--nbmake", f"--nbmake-timeout={TIMEOUT_S}", "--overwrite"),
+                *("--nbmake", f"--nbmake-timeout={TIMEOUT_S}", "--overwrite", *options),
                 *(str(room / n) for n in order),
             ],
             cwd=folder,
-            env=environment,
+            env=environment | variables,
         ).returncode
         for notebook, key in stale.items():
             keep(room / notebook, EXECUTED / notebook, key)

@@ -1,0 +1,82 @@
+"""Kernels that notebooks run in are forks of one process, and alone all the same."""
+
+import contextlib
+import os
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "book"))
+jupyter = pytest.importorskip("jupyter_client")
+
+from kernels import NAME, forked_kernels  # noqa: E402
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="kernels are forked on Linux only")
+
+
+@pytest.fixture(scope="module")
+def spec(tmp_path_factory):
+    """Folder of the kernel spec, while the process that is forked is there."""
+    folder = tmp_path_factory.mktemp("kernels")
+    with forked_kernels(folder) as (options, variables):
+        assert (options, variables) == ([f"--nbmake-kernel={NAME}"], {"JUPYTER_PATH": str(folder)})
+        yield folder / "kernels"
+
+
+@contextlib.contextmanager
+def kernel(spec, **variables):
+    """Manager of a kernel, and what tells the value of an expression in it."""
+    specs = jupyter.kernelspec.KernelSpecManager(kernel_dirs=[str(spec)])
+    manager = jupyter.KernelManager(kernel_name=NAME, kernel_spec_manager=specs)
+    manager.start_kernel(env=os.environ | variables)
+    client = manager.client()
+    client.start_channels()
+    client.wait_for_ready(timeout=60)
+
+    def value(code):
+        reply = client.execute("", user_expressions={"v": code}, reply=True, timeout=60)
+        return reply["content"]["user_expressions"]["v"]["data"]["text/plain"]
+
+    try:
+        yield manager, value
+    finally:
+        client.stop_channels()
+        manager.shutdown_kernel(now=True)
+
+
+def goes(process):
+    """Whether a process ends within some seconds."""
+    for _ in range(100):
+        try:
+            state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+        except FileNotFoundError:
+            return True
+        if state == "Z":  # ended, and not waited for
+            return True
+        time.sleep(0.1)
+    return False
+
+
+def test_libraries_are_loaded_and_nothing_of_this_project(spec):
+    with kernel(spec, FOR_THIS_KERNEL="yes") as (_, value):
+        assert value("'numpy' in __import__('sys').modules") == "True"
+        assert value("'mobility_imu' in __import__('sys').modules") == "False"
+        assert value("__import__('os').environ['FOR_THIS_KERNEL']") == "'yes'"
+        assert value("__import__('os').getcwd()") == repr(os.getcwd())
+
+
+def test_kernels_share_nothing(spec):
+    with kernel(spec) as (_, first), kernel(spec) as (_, second):
+        first("setattr(__import__('numpy'), 'mine', 1)")
+        assert second("hasattr(__import__('numpy'), 'mine')") == "False"
+        assert first("__import__('os').getpid()") != second("__import__('os').getpid()")
+
+
+def test_a_kernel_ends_when_who_started_it_is_killed(spec):
+    with kernel(spec) as (manager, value):
+        process = int(value("__import__('os').getpid()"))
+        assert process != manager.provisioner.pid
+        os.kill(manager.provisioner.pid, 9)
+        assert goes(process)
