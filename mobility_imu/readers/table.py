@@ -39,6 +39,7 @@ MEND_ROW = "correct it, or remove the row and give --fill-gaps-s (fill_gaps_s in
 _BLANKS = " \t\r\v\f"
 """What the parser of numbers passes over; a space that is not to be broken is none of them."""
 _LINE_ENDS = re.compile(r"\r\n|\r|\n")
+PART_BYTES = 2**20
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 """Bytes that no text has, whatever its encoding."""
 _NUMBER = re.compile(
@@ -133,7 +134,9 @@ def _read_bytes(path: Path, again: bool) -> bytes:
     # Some devices never end.
     if not (stat.S_ISREG(mode) or stat.S_ISFIFO(mode)):
         raise InputError(f"{path}: is a device or socket, expected a file")
-    return path.read_bytes()
+    with path.open("rb", buffering=0) as file:
+        # In parts: a whole pipe is read without looking for an interrupt after each part.
+        return b"".join(iter(lambda: file.read(PART_BYTES), b""))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

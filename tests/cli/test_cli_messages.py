@@ -270,7 +270,7 @@ def test_an_interrupt_while_the_command_line_is_loaded(process, monkeypatch):
     assert process() == (130, "mobility-imu: interrupted\n")
 
 
-def test_an_interrupt_that_python_drops_comes_again(process, monkeypatch):
+def test_an_interrupt_that_python_drops_comes_again(hears_interrupts, process, monkeypatch):
     """An interrupt in a callback of the import system is reported to a hook, and goes on."""
 
     class Dropped:

@@ -38,7 +38,7 @@ def test_standard_output_on_a_full_disk(tmp_path):
     )
 
 
-def test_interrupted_while_it_waits_for_its_input(tmp_path):
+def test_interrupted_while_it_waits_for_its_input(tmp_path, hears_interrupts):
     """Ctrl-C: exit code 130, one line, nothing left behind."""
     os.mkfifo(tmp_path / "slow.csv")
     options = map(str, velocity("slow.csv"))
