@@ -1,5 +1,6 @@
 """Settings of all tests."""
 
+import gc
 import os
 import signal
 
@@ -25,6 +26,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if slow:
         config.hook.pytest_deselected(items=slow)
         items[:] = [item for item in items if item not in set(slow)]
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Leave what was collected out of the search for garbage, a sixth of the suite's time."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture
