@@ -168,8 +168,8 @@ def _faults_of(pair: SensorPair, *, on_one_clock: bool = False) -> Iterator[Faul
     drives = rms(pair.motion.body_locked) > LEAST_TURNING_RADPS
     slipped = slip_of(pair, AT_ODDS) if drives else None
     if slipped is not None:
-        # A turn from the beginning leaves forces without angles as well.
-        yield from tuple(_tipped(pair)) or (slipped,)
+        # A turn from the beginning leaves most forces without angles.
+        yield from (pair.stated is None and tuple(_tipped(pair))) or (slipped,)
         return
     if pair.stated is None:
         yield from _tipped(pair)

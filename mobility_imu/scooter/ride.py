@@ -325,10 +325,12 @@ def usable_samples(ride: Recording, names: Sequence[str]) -> tuple[NDArray[np.bo
     for name in names:
         acc, rate_hz = ride.sensor(name).acc_mps2, ride.sampling_rate_hz
         frozen = frozen_samples(acc, rate_hz, follows=_felt(ride, name))
+        # An accelerometer that is not in m/s², or dead throughout, is another matter.
+        dead = forceless(acc, rate_hz)
         for what, bad in (
-            ("is frozen", frozen),
+            ("is frozen", frozen & ~dead),
             ("is saturated", saturated_samples(acc) & ~held_samples(acc, rate_hz, first=True)),
-            ("is weightless", forceless(acc, rate_hz) & ~frozen),
+            ("is weightless", dead),
         ):
             if bad.any():
                 warnings.append(

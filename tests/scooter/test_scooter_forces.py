@@ -216,3 +216,123 @@ def test_a_level_parked_body_has_no_axes_to_exchange(seed):
         pitch_rad=0.0, bank_rad=0.0, seed=seed, unit=draw_scooter(seed), sensor=REAL
     )
     assert "swapped" not in [fault.code for fault in find_faults(parked, SUZUKI_ET4D)]
+
+
+@METHODS
+@pytest.mark.parametrize(
+    ("how", "behind"),
+    [
+        (lambda r: put.late(r, "lever", 0.4), ("lag", "lever")),
+        (lambda r: put.reverse(r, "lever"), ("reversed", "lever_gyr")),
+        (lambda r: put.exchange(r, "lever", "body"), ("exchanged", "lever, body")),
+        (lambda r: put.offset(r, "lever", "gyr", (0, 0, 0.5)), ("offset", "lever_gyr")),
+    ],
+)
+def test_what_is_behind_a_scale_is_told_as_well(how, behind, settings):
+    """A scale loses nothing: without it both sensors can be held against each other."""
+    found, marked = judged(how(put.scale(ride(), "body", "acc", 1.5)), settings)
+    codes = [(fault.code, fault.sensor) for fault in found]
+    scaled = "lever_acc" if behind[0] == "exchanged" else "body_acc"
+    assert behind in codes and ("scale", scaled) in codes
+    assert not {"at odds", "slipped", "turned"} & {code for code, _ in codes}
+    assert not marked.valid.any()
+
+
+@SENSORS
+@pytest.mark.parametrize("factor", [0.7, 1.3])
+def test_a_pose_that_is_held_hides_no_scale(factor, sensor):
+    """Axis x of the lever rests at its largest value; none is cut, and nothing is shortened."""
+    parked = simulate_parked(
+        pitch_rad=np.deg2rad(5), bank_rad=0.0, seed=703, unit=draw_scooter(701), sensor=REAL
+    )
+    found = find_faults(put.scale(parked, sensor, "acc", factor), SUZUKI_ET4D)
+    assert [(fault.code, fault.sensor) for fault in found] == [("scale", f"{sensor}_acc")]
+
+
+@METHODS
+@SENSORS
+def test_a_cut_axis_is_no_scale(sensor, settings):
+    found, _ = judged(put.clip(ride(), sensor, "acc", 7.0), settings)
+    assert [(fault.code, fault.sensor) for fault in found] == [("range", f"{sensor}_acc")]
+
+
+def turned_until(recording, sensor, axis, angle_deg, until_s):
+    back = slipped(recording, sensor, axis, -angle_deg, until_s)
+    rotation = Rotation.from_euler(axis, angle_deg, degrees=True).as_matrix()
+    return put.turn(back, sensor, rotation)
+
+
+@pytest.mark.parametrize(
+    ("sensor", "axis", "angle_deg"),
+    [("lever", "x", 60), ("lever", "y", 60), ("body", "x", 50), ("body", "y", 50)],
+)
+def test_a_sensor_that_is_turned_only_at_the_beginning_slipped(sensor, axis, angle_deg):
+    """Most accelerations fit angles: it is not said that they do not."""
+    found, marked = judged(turned_until(ride(), sensor, axis, angle_deg, 4.0), FUSION)
+    assert [fault.code for fault in found] == ["slipped"]
+    assert "do not agree before and after" in found[0].told and not marked.valid.any()
+
+
+def dead_together(where):
+    return dead(dead(ride(), "lever", where), "body", where)
+
+
+def silent_together(where):
+    recording = ride()
+    for sensor in ("lever", "body"):
+        rates = np.where(where[:, None], 0, recording.gyroscope(sensor))
+        recording = with_half(recording, sensor, "gyr", rates)
+    return recording
+
+
+@pytest.mark.parametrize(
+    ("how", "code", "half", "settings"),
+    [
+        (dead_together, "no gravity", "acc", FUSION),
+        (dead_together, "no gravity", "acc", CLOSED),
+        (silent_together, "frozen", "gyr", FUSION),
+    ],
+)
+def test_what_both_sensors_lose_at_once_comes_back_from_neither(how, code, half, settings):
+    """A price would be that of one lost reading in the place of another one."""
+    lost = when("middle")
+    found, marked = judged(how(lost), settings)
+    told = {fault.sensor: fault for fault in found if fault.code == code}
+    assert set(told) == {f"lever_{half}", f"body_{half}"}
+    for fault in told.values():
+        assert fault.repair is None and fault.costs == ()
+    assert not marked.valid[lost].any()
+
+
+def test_what_both_lose_one_after_the_other_comes_back():
+    faulty = dead(dead(ride(), "lever", when("middle")), "body", when("end"))
+    found, _ = judged(faulty, FUSION)
+    dead_ones = [fault for fault in found if fault.code == "no gravity"]
+    assert [bool(fault.costs) for fault in dead_ones] == [True, True]
+
+
+def zero(recording, sensor, where):
+    values = np.where(where[:, None], 0.0, recording.sensor(sensor).acc_mps2)
+    return with_half(recording, sensor, "acc", values)
+
+
+@METHODS
+@SENSORS
+@pytest.mark.parametrize("place", ["middle", "end"])
+def test_zeros_are_told_once(place, sensor, settings):
+    lost = when(place)
+    found, marked = judged(zero(ride(), sensor, lost), settings)
+    assert [(fault.code, fault.sensor) for fault in found] == [("no gravity", f"{sensor}_acc")]
+    assert not marked.valid[lost].any()
+    (text,) = [text for text in marked.warnings if f"{sensor}_acc" in text]
+    assert f"{sensor}_acc is weightless in " in text
+
+
+@METHODS
+def test_zeros_and_a_frozen_sensor_are_told_once_each(settings):
+    faulty = put.freeze(zero(ride(), "lever", when("middle")), "lever", "acc", 3.0, 3.0)
+    found, marked = judged(faulty, settings)
+    codes = [(fault.code, fault.sensor) for fault in found]
+    assert codes == [("frozen", "lever_acc"), ("no gravity", "lever_acc")]
+    assert [fault.size for fault in found] == pytest.approx([3.0, 3.0], abs=0.03)
+    assert len([text for text in marked.warnings if "lever_acc" in text]) == 2
