@@ -22,9 +22,16 @@ from mobility_imu.frames import (
     one_of,
     wrap_angle,
 )
-from mobility_imu.quality import frozen_samples, saturated_samples, turned_gravity
+from mobility_imu.quality import (
+    FELT_STEPS,
+    frozen_samples,
+    resolution_of,
+    saturated_samples,
+    turned_gravity,
+)
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
+from mobility_imu.runs import runs_of
 from mobility_imu.scooter.angles import (
     ACCELERATED_FRACTION,
     LARGEST_ERROR_RAD,
@@ -262,7 +269,9 @@ def _estimate(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone set single_imu=True"
         )
     acc = {name: ride.sensor(name).acc_mps2 for name in settings.sensors}
-    usable, warnings = usable_samples(ride, settings.sensors)
+    closed = settings.method == "closed-form"
+    beside = settings.median_window // 2 if closed else 0
+    usable, warnings = usable_samples(ride, settings.sensors, beside)
     if settings.method == "fusion":
         gyr = {name: ride.gyroscope(name) for name in settings.sensors}
     try:
@@ -308,13 +317,18 @@ def _few_valid(valid: NDArray[np.bool_], method: Method) -> str:
     )
 
 
-def usable_samples(ride: Recording, names: Sequence[str]) -> tuple[NDArray[np.bool_], list[str]]:
+def usable_samples(
+    ride: Recording, names: Sequence[str], beside: int = 0
+) -> tuple[NDArray[np.bool_], list[str]]:
     """Samples in which no accelerometer is frozen, saturated or weightless; a sentence on others.
 
     Parameters
     ----------
     ride : Recording
     names : sensors that are looked at
+    beside : samples on either side of a reading that a median has in it: beside a loss they are not
+        usable. What stands still may be a rest in coarse steps; it is a loss if it ends in a jump,
+        or with the recording
 
     Returns
     -------
@@ -338,7 +352,20 @@ def usable_samples(ride: Recording, names: Sequence[str]) -> tuple[NDArray[np.bo
                     f"{ride.time_s[np.argmax(bad)]:g} s; they are marked as not valid"
                 )
                 usable &= ~bad
+        lost = dead | _ends_in_a_jump(acc, frozen)
+        if beside and lost.any():
+            usable &= ~ndimage.binary_dilation(lost, iterations=beside)
     return usable, warnings
+
+
+def _ends_in_a_jump(acc: FloatArray, frozen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Frozen samples whose next reading is further away than a rest's next step, or is missing."""
+    lost = np.zeros(len(acc), np.bool_)
+    step = resolution_of(acc, skip=frozen).step
+    for run in runs_of(frozen):
+        after = np.abs(acc[run.stop : run.stop + 1] - acc[run.start])
+        lost[run] = not after.size or bool((after > FELT_STEPS * step).any())
+    return lost
 
 
 def _felt(ride: Recording, name: str) -> list[FloatArray]:

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 from rides import FUSION, mount, ride
+from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.faults import with_half
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.reproduction.scooter.fault_cases import ride_of
 from mobility_imu.scooter import (
     SUZUKI_ET4D,
     RideSettings,
@@ -16,6 +18,7 @@ from mobility_imu.scooter import (
 )
 from mobility_imu.scooter.contradictions import rearranged
 from mobility_imu.scooter.force import forceless, held_samples, wrong_length
+from mobility_imu.scooter.ride import usable_samples
 from mobility_imu.scooter.slips import steps_of
 from mobility_imu.simulation import faults as put
 from mobility_imu.simulation.scooter import draw_scooter, simulate_parked
@@ -336,3 +339,32 @@ def test_zeros_and_a_frozen_sensor_are_told_once_each(settings):
     assert codes == [("frozen", "lever_acc"), ("no gravity", "lever_acc")]
     assert [fault.size for fault in found] == pytest.approx([3.0, 3.0], abs=0.03)
     assert len([text for text in marked.warnings if "lever_acc" in text]) == 2
+
+
+def frozen(recording, sensor, where):
+    values = np.array(recording.sensor(sensor).acc_mps2)
+    values[where] = values[np.argmax(where)]
+    return with_half(recording, sensor, "acc", values)
+
+
+@SENSORS
+@pytest.mark.parametrize("how", [dead, zero, frozen])
+@pytest.mark.parametrize("place", ["begin", "middle", "end"])
+def test_the_closed_form_does_not_trust_a_median_that_reaches_into_a_loss(place, how, sensor):
+    """By itself, without what finds faults."""
+    lost = when(place)
+    found = estimate_ride(how(ride(), sensor, lost), SUZUKI_ET4D, mount(), CLOSED)
+    assert not found.valid[ndimage.binary_dilation(lost, iterations=12)].any()
+    assert errors_deg(found, estimate_ride(ride(), SUZUKI_ET4D, mount(), CLOSED)) == 0
+
+
+def test_the_closed_form_trusts_what_is_beside_a_rest_in_coarse_steps():
+    """A phone that stands repeats itself; what goes on until the recording ends may be a loss."""
+    coarse = ride_of(5, 300).recording
+    usable, _ = usable_samples(coarse, ["lever", "body"])
+    with_median, _ = usable_samples(coarse, ["lever", "body"], 12)
+    assert 0.9 < usable.mean() < 1 and (usable == with_median).all()
+    ended = coarse.trim(coarse.time_s[0], coarse.time_s[2620])
+    usable, _ = usable_samples(ended, ["lever", "body"])
+    with_median, _ = usable_samples(ended, ["lever", "body"], 12)
+    assert np.flatnonzero(usable & ~with_median).tolist() == list(range(2581, 2593))
