@@ -27,7 +27,16 @@ from mobility_imu.quality import (
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
 
-__all__ = ["forceless", "held_faults", "held_samples", "scale_fault", "weightless", "wrong_length"]
+__all__ = [
+    "forceless",
+    "held_faults",
+    "held_samples",
+    "is_wrong_length",
+    "length_at_rest",
+    "scale_fault",
+    "weightless",
+    "wrong_length",
+]
 
 MEAN_S = 0.5
 """Lengths are averaged over this: blows last shorter."""
@@ -35,8 +44,9 @@ LEAST_FORCE = 0.5
 """Part of gravity below which no mean length can be: a scooter that drops off a kerb of 0.1 m falls
 for 0.14 s, which leaves 0.7."""
 LARGEST_SCALE = 1.2
-"""Factor by which the length of gravity may be off: accelerometers of consumer sensors have read
-8.4 to 10.7 m/s² at rest (data/reference/real_sensors.csv), offsets among it."""
+"""Factor by which the length of gravity may be off, either way: 8.2 to 11.8 m/s². Accelerometers of
+consumer sensors have read 8.45 to 11.2 in recordings of others (data/reference/real_sensors.csv),
+offsets among it."""
 SHORTEST_HELD_S = 0.05
 """Readings that repeat for as long are late by half of it on average, 25 ms."""
 FEWEST_HELD = 3
@@ -99,8 +109,22 @@ def wrong_length(acc_mps2: FloatArray, sampling_rate_hz: float) -> float | None:
     if not felt.any():
         return None
     length = length_at_rest(acc_mps2[felt], sampling_rate_hz)
-    off = abs(float(np.log(length / STANDARD_GRAVITY_MPS2)))
-    return length if off > np.log(LARGEST_SCALE) else None
+    return length if is_wrong_length(length) else None
+
+
+def is_wrong_length(length_mps2: float) -> bool:
+    """Whether no sensor in m/s² reads such a length of gravity.
+
+    Parameters
+    ----------
+    length_mps2 : m/s²
+
+    Returns
+    -------
+    bool
+    """
+    times = length_mps2 / STANDARD_GRAVITY_MPS2
+    return not 1 / LARGEST_SCALE <= times <= LARGEST_SCALE
 
 
 def held_samples(

@@ -52,9 +52,9 @@ if TYPE_CHECKING:
 __all__ = ["RideAngles", "RideSettings", "estimate_ride"]
 
 Method = Literal["closed-form", "fusion"]
-LARGEST_NOISE_MPS2 = 100.0
+LARGEST_STATED_MPS2 = 100.0
 """Largest noise of an accelerometer that settings may state."""
-SMALLEST_NOISE_MPS2 = SETTING_LIMITS["acc_sd_mps2"][0]
+SMALLEST_STATED_MPS2 = SETTING_LIMITS["acc_sd_mps2"][0]
 """Smallest one that fusion can compute with."""
 NOISE_TIMES = 3.0
 """A recording with more noise than so many times the stated one was not made at rest: shaking is
@@ -117,13 +117,13 @@ class RideSettings:
         if self.acc_noise_mps2 is not None:
             closed = self.method == "closed-form"
             noise = as_number(self.acc_noise_mps2, "acc_noise_mps2", zero=closed)
-            if noise > LARGEST_NOISE_MPS2:
+            if noise > LARGEST_STATED_MPS2:
                 raise InputError(
-                    f"acc_noise_mps2 = {noise:g}: expected at most {LARGEST_NOISE_MPS2:g} m/s²"
+                    f"acc_noise_mps2 = {noise:g}: expected at most {LARGEST_STATED_MPS2:g} m/s²"
                 )
-            if noise < SMALLEST_NOISE_MPS2 and not closed:
+            if noise < SMALLEST_STATED_MPS2 and not closed:
                 raise InputError(
-                    f"acc_noise_mps2 = {noise:g}: expected at least {SMALLEST_NOISE_MPS2:g} m/s² "
+                    f"acc_noise_mps2 = {noise:g}: expected at least {SMALLEST_STATED_MPS2:g} m/s² "
                     "with method = 'fusion'"
                 )
             object.__setattr__(self, "acc_noise_mps2", noise)

@@ -1,12 +1,16 @@
 """Scooter, forces: what an accelerometer cannot say, and a sensor that slips."""
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 from rides import FUSION, mount, ride
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.faults import with_half
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.scooter.fault_cases import ride_of
 from mobility_imu.scooter import (
@@ -17,7 +21,13 @@ from mobility_imu.scooter import (
     mark_faults,
 )
 from mobility_imu.scooter.contradictions import rearranged
-from mobility_imu.scooter.force import forceless, held_samples, wrong_length
+from mobility_imu.scooter.force import (
+    LARGEST_SCALE,
+    forceless,
+    held_samples,
+    is_wrong_length,
+    wrong_length,
+)
 from mobility_imu.scooter.ride import usable_samples
 from mobility_imu.scooter.slips import steps_of
 from mobility_imu.simulation import faults as put
@@ -99,6 +109,18 @@ def test_an_accelerometer_in_another_range_is_told(factor, sensor, settings):
     (warning,) = [text for text in marked.warnings if "_acc" in text]
     assert f"{sensor}_acc is out of scale" in warning
     assert not any("accelerated" in text for text in marked.warnings)
+
+
+def test_the_limits_leave_room_for_every_length_that_sensors_have_read():
+    path = Path(__file__).parents[2] / "data" / "reference" / "real_sensors.csv"
+    table = pd.read_csv(path)
+    lengths = table.loc[table["quantity"] == "length of the acceleration", "value"]
+    assert (lengths.min().round(2), lengths.max().round(1)) == (8.45, 11.2)
+    # As the comment of LARGEST_SCALE has them; 3 % is the scale error of data sheets.
+    limits = STANDARD_GRAVITY_MPS2 / LARGEST_SCALE, STANDARD_GRAVITY_MPS2 * LARGEST_SCALE
+    assert limits == pytest.approx((8.2, 11.8), abs=0.05)
+    assert limits[0] < 0.97 * lengths.min() and 1.03 * lengths.max() < limits[1]
+    assert not any(is_wrong_length(length) for length in lengths)
 
 
 @pytest.mark.parametrize("factor", [0.87, 1.0, 1.1])
