@@ -24,7 +24,7 @@ from mobility_imu.health import FEWEST_VALUES, examine, fault_of, single_spikes
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
 from mobility_imu.scooter.contradictions import SHORTEST_S, Contradictions, contradictions
-from mobility_imu.scooter.force import held_faults, scale_fault, weightless
+from mobility_imu.scooter.force import ends_in_a_jump, held_faults, scale_fault, weightless
 from mobility_imu.scooter.geometry import ScooterGeometry
 from mobility_imu.scooter.mended import carried, cut_axes, lengthened, rebuilt, stretched
 from mobility_imu.scooter.mount import ScooterMount
@@ -142,7 +142,7 @@ def find_faults(
     settings = settings_or_default("settings", settings, RideSettings)
     for name in settings.sensors:
         recording.sensor(name)
-    alone = _unless_shared(list(_alone(recording, settings.sensors, geometry, mount)))
+    alone = _unless_shared(list(_alone(recording, settings.sensors, geometry, mount)), recording)
     # Both sensors together say better which signs are wrong, if they say something.
     others = [fault for fault in alone if fault.code != "reversed"]
     together = Contradictions()
@@ -164,7 +164,7 @@ def _is_lost(fault: Fault) -> bool:
     return fault.code != "scale" and bool(fault.flags.all())
 
 
-def _unless_shared(faults: Sequence[Fault]) -> list[Fault]:
+def _unless_shared(faults: Sequence[Fault], recording: Recording) -> list[Fault]:
     """Faults of which none is undone by readings that the other sensor lost at the same time.
 
     What may be a rest in coarse steps keeps its repair: both sensors rest at the same time, and one
@@ -174,12 +174,15 @@ def _unless_shared(faults: Sequence[Fault]) -> list[Fault]:
 
     def is_shared(fault: Fault) -> bool:
         name, _, half = fault.sensor.partition("_")
-        return fault.size >= _by_chance(fault) and any(
-            other.sensor.endswith(f"_{half}")
-            and not other.sensor.startswith(f"{name}_")
-            and bool((other.flags & fault.flags).any())
-            for other in lost
-        )
+        shared = np.zeros(len(recording), np.bool_)
+        for other in lost:
+            if other.sensor.endswith(f"_{half}") and not other.sensor.startswith(f"{name}_"):
+                shared |= other.flags & fault.flags
+        if fault.size < _by_chance(fault):
+            if half == "gyr":
+                return False
+            shared &= ends_in_a_jump(recording.sensor(name).acc_mps2, fault.flags)
+        return bool(shared.any())
 
     return [
         replace(fault, repair=None) if fault.code in LOST and is_shared(fault) else fault
@@ -231,7 +234,7 @@ def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
     A fault counts if nothing can undo it, if it is not known what it costs, or if it moves an angle
     by more than its standard deviation; lags, scales, offsets and turns, of which every recording
     has a little, if they are known to move one by more than twice that (20 deg where none is
-    stated).
+    stated). Fusion trusts nothing where both sensors lost readings at once.
 
     Parameters
     ----------
@@ -256,11 +259,19 @@ def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
         expect("a fault", fault, Fault)
         as_flags(fault.flags, "flags of a fault", length=len(valid))
         if _is_used(fault, ride.settings) and _matters(fault, ride):
-            valid &= ~fault.flags
+            valid &= ~fault.flags & (not _spoils_all(fault, ride.settings))
             if beside and fault.code in ("held", *LOST):
                 # A median has the readings on both sides in it.
                 valid &= ~ndimage.binary_dilation(fault.flags, iterations=beside)
     return replace(ride, valid=valid)
+
+
+def _spoils_all(fault: Fault, settings: RideSettings) -> bool:
+    """Whether the other samples are not to be trusted either.
+
+    The filter learns its constants from what both sensors lost, and nothing shows by how much.
+    """
+    return settings.method == "fusion" and fault.code in LOST and fault.repair is None
 
 
 def _is_used(fault: Fault, settings: RideSettings) -> bool:
@@ -503,7 +514,7 @@ def _priced(
         fault = replace(fault, repair=faults[k].repair)
         moved = runs.moved_sds(k)
         if moved is None:
-            told.append(_of_unknown_cost(fault))
+            told.append(_of_unknown_cost(fault, settings))
             continue
         most = float(moved.max(initial=0.0))
         if fault.code == "lag" and fault.size < USUAL["lag"]:
@@ -520,10 +531,10 @@ def _priced(
     return tuple(told)
 
 
-def _of_unknown_cost(fault: Fault) -> Fault:
-    if fault.code != "at odds":
+def _of_unknown_cost(fault: Fault, settings: RideSettings) -> Fault:
+    if fault.code != "at odds" and not _spoils_all(fault, settings):
         return replace(fault, costs=())
-    return replace(fault, sentence=f"{fault.sentence}; the angles are not valid")
+    return replace(fault, costs=(), sentence=f"{fault.sentence}; the angles are not valid")
 
 
 def _says_little(settings: RideSettings, fault: Fault) -> str:

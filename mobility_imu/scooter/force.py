@@ -28,6 +28,7 @@ from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
 
 __all__ = [
+    "ends_in_a_jump",
     "forceless",
     "held_faults",
     "held_samples",
@@ -157,6 +158,31 @@ def held_samples(
     if held.mean() < LEAST_HELD:
         return np.zeros(len(values), np.bool_)
     return held | np.append(held[1:], False) if first else held
+
+
+def ends_in_a_jump(
+    acc_mps2: FloatArray, frozen: NDArray[np.bool_], *, at_end: bool = False
+) -> NDArray[np.bool_]:
+    """Repeated readings of which the next one is further away than a step of the sensor at rest.
+
+    A sensor that rests in coarse steps repeats itself as well; it goes on a step away.
+
+    Parameters
+    ----------
+    acc_mps2 : (n, 3) array, m/s²
+    frozen : (n,) bool array, readings that repeat themselves
+    at_end : whether to count what goes on until the recording ends: no reading shows what it is
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    lost = np.zeros(len(acc_mps2), np.bool_)
+    step = resolution_of(acc_mps2, skip=frozen).step
+    for run in runs_of(frozen):
+        after = np.abs(acc_mps2[run.stop : run.stop + 1] - acc_mps2[run.start])
+        lost[run] = bool((after > FELT_STEPS * step).any()) if after.size else at_end
+    return lost
 
 
 def held_faults(recording: Recording, name: str) -> Iterator[Fault]:

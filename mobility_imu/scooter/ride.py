@@ -22,16 +22,9 @@ from mobility_imu.frames import (
     one_of,
     wrap_angle,
 )
-from mobility_imu.quality import (
-    FELT_STEPS,
-    frozen_samples,
-    resolution_of,
-    saturated_samples,
-    turned_gravity,
-)
+from mobility_imu.quality import frozen_samples, saturated_samples, turned_gravity
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
-from mobility_imu.runs import runs_of
 from mobility_imu.scooter.angles import (
     ACCELERATED_FRACTION,
     LARGEST_ERROR_RAD,
@@ -39,7 +32,7 @@ from mobility_imu.scooter.angles import (
     angle_standard_deviations,
     estimate_angles,
 )
-from mobility_imu.scooter.force import forceless, held_samples, wrong_length
+from mobility_imu.scooter.force import ends_in_a_jump, forceless, held_samples, wrong_length
 from mobility_imu.scooter.fusion import LARGEST_VALID_SD_RAD, FusedAngles, fuse_angles
 from mobility_imu.scooter.fusion_noise import acceleration_noise, smallest_step
 from mobility_imu.scooter.fusion_settings import SETTING_LIMITS, FusionSettings
@@ -352,20 +345,10 @@ def usable_samples(
                     f"{ride.time_s[np.argmax(bad)]:g} s; they are marked as not valid"
                 )
                 usable &= ~bad
-        lost = dead | _ends_in_a_jump(acc, frozen)
+        lost = dead | ends_in_a_jump(acc, frozen, at_end=True)
         if beside and lost.any():
             usable &= ~ndimage.binary_dilation(lost, iterations=beside)
     return usable, warnings
-
-
-def _ends_in_a_jump(acc: FloatArray, frozen: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Frozen samples whose next reading is further away than a rest's next step, or is missing."""
-    lost = np.zeros(len(acc), np.bool_)
-    step = resolution_of(acc, skip=frozen).step
-    for run in runs_of(frozen):
-        after = np.abs(acc[run.stop : run.stop + 1] - acc[run.start])
-        lost[run] = not after.size or bool((after > FELT_STEPS * step).any())
-    return lost
 
 
 def _felt(ride: Recording, name: str) -> list[FloatArray]:

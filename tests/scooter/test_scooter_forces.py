@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.faults import with_half
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
+from mobility_imu.health import examine
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.scooter.fault_cases import ride_of
 from mobility_imu.scooter import (
@@ -57,6 +58,12 @@ def dead(recording, sensor, where):
     """Accelerometer that gives noise alone."""
     values = np.array(recording.sensor(sensor).acc_mps2)
     values[where] = np.random.default_rng(1).normal(0, 0.01, values[where].shape)
+    return with_half(recording, sensor, "acc", values)
+
+
+def frozen(recording, sensor, where):
+    values = np.array(recording.sensor(sensor).acc_mps2)
+    values[where] = values[np.argmax(where)]
     return with_half(recording, sensor, "acc", values)
 
 
@@ -302,6 +309,10 @@ def dead_together(where):
     return dead(dead(ride(), "lever", where), "body", where)
 
 
+def frozen_together(where):
+    return frozen(frozen(ride(), "lever", where), "body", where)
+
+
 def silent_together(where):
     recording = ride()
     for sensor in ("lever", "body"):
@@ -315,18 +326,33 @@ def silent_together(where):
     [
         (dead_together, "no gravity", "acc", FUSION),
         (dead_together, "no gravity", "acc", CLOSED),
+        (frozen_together, "frozen", "acc", FUSION),
+        (frozen_together, "frozen", "acc", CLOSED),
         (silent_together, "frozen", "gyr", FUSION),
     ],
 )
 def test_what_both_sensors_lose_at_once_comes_back_from_neither(how, code, half, settings):
-    """A price would be that of one lost reading in the place of another one."""
+    """A price would be that of one lost reading in the place of another one.
+
+    The filter learns from all samples; the closed form looks at each by itself.
+    """
     lost = when("middle")
     found, marked = judged(how(lost), settings)
     told = {fault.sensor: fault for fault in found if fault.code == code}
     assert set(told) == {f"lever_{half}", f"body_{half}"}
     for fault in told.values():
         assert fault.repair is None and fault.costs == ()
+        assert fault.sentence.endswith("the angles are not valid") == (settings == FUSION)
     assert not marked.valid[lost].any()
+    assert (marked.valid.mean() > 0.8) == (settings == CLOSED)
+
+
+def test_phones_that_rest_together_lost_nothing():
+    """Both repeat themselves in coarse steps; they go on a step away."""
+    coarse = ride_of(5, 300).recording
+    frozen_ones = [fault.sensor for fault in examine(coarse) if fault.code == "frozen"]
+    assert frozen_ones == ["lever_acc", "body_acc"]
+    assert find_faults(coarse, SUZUKI_ET4D, None, FUSION) == ()
 
 
 def test_what_both_lose_one_after_the_other_comes_back():
@@ -361,12 +387,6 @@ def test_zeros_and_a_frozen_sensor_are_told_once_each(settings):
     assert codes == [("frozen", "lever_acc"), ("no gravity", "lever_acc")]
     assert [fault.size for fault in found] == pytest.approx([3.0, 3.0], abs=0.03)
     assert len([text for text in marked.warnings if "lever_acc" in text]) == 2
-
-
-def frozen(recording, sensor, where):
-    values = np.array(recording.sensor(sensor).acc_mps2)
-    values[where] = values[np.argmax(where)]
-    return with_half(recording, sensor, "acc", values)
 
 
 @SENSORS
