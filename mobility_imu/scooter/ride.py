@@ -42,7 +42,7 @@ from mobility_imu.scooter.mount import ScooterMount
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["RideAngles", "RideSettings", "estimate_ride"]
+__all__ = ["RideAngles", "RideSettings", "estimate_ride", "usable_samples"]
 
 Method = Literal["closed-form", "fusion"]
 LARGEST_STATED_MPS2 = 100.0

@@ -20,8 +20,9 @@ from mobility_imu.scooter import (
     estimate_ride,
     find_faults,
     mark_faults,
+    slips,
 )
-from mobility_imu.scooter.contradictions import rearranged
+from mobility_imu.scooter.contradictions import AT_ODDS, rearranged
 from mobility_imu.scooter.force import (
     LARGEST_SCALE,
     forceless,
@@ -30,7 +31,8 @@ from mobility_imu.scooter.force import (
     wrong_length,
 )
 from mobility_imu.scooter.ride import usable_samples
-from mobility_imu.scooter.slips import steps_of
+from mobility_imu.scooter.sensor_pair import SensorPair
+from mobility_imu.scooter.slips import ENDS, steps_of
 from mobility_imu.simulation import faults as put
 from mobility_imu.simulation.scooter import draw_scooter, simulate_parked
 from mobility_imu.simulation.sensor import REAL
@@ -174,6 +176,27 @@ def test_a_step_is_found_where_it_is():
     assert step.time_s == pytest.approx(7.0, abs=0.2) and step.size == pytest.approx(2.0, abs=0.2)
     assert step.explained > 0.7
     assert steps_of(values[:10], time_s[:10]).size == 0
+
+
+@pytest.mark.parametrize("at", [0.05, ENDS, 0.3, 0.5])
+def test_a_line_hides_most_of_a_step_at_an_end(at):
+    """What a line leaves of a step after a part of the points; the origin of ``ENDS``."""
+
+    def left(part):
+        place = (np.arange(2000) + 0.5) / 2000
+        step = (place >= part).astype(float)
+        return float(np.mean((step - np.polyval(np.polyfit(place, step, 1), place)) ** 2))
+
+    inside = at * (1 - at)
+    assert left(at) == pytest.approx(inside * (1 - 3 * inside), rel=1e-2)
+    assert (left(at) >= 0.99 * left(0.5)) == (at >= ENDS)
+
+
+@pytest.mark.parametrize(("split_s", "agree"), [(14.0, True), (19.0, False), (4.0, False)])
+def test_only_parts_that_are_long_and_show_gravity_speak_against_a_slip(split_s, agree):
+    """Upside down from 14 s on: that part alone is no ride, and with it nothing agrees."""
+    pair = SensorPair(slipped(ride(), "lever", "x", 180, 14.0), SUZUKI_ET4D, mount())
+    assert slips._parts_agree(pair, split_s, AT_ODDS) == agree
 
 
 SIGNS = {"x": (-1, 1, 1), "y": (1, -1, 1)}
