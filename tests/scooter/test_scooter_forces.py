@@ -86,8 +86,9 @@ def test_an_accelerometer_without_gravity_is_told_and_nothing_else(place, sensor
     assert not marked.valid[lost].any()
     sound = estimate_ride(ride(), SUZUKI_ET4D, mount(), settings)
     if settings == CLOSED:
-        assert errors_deg(marked, sound) < 8
+        assert errors_deg(marked, sound) < 1  # a median reaches no further than is marked
     else:
+        # Of normal errors one in 16,000 is beyond four standard deviations.
         apart = np.abs(marked.steering_rad - sound.steering_rad) / marked.steering_sd_rad
         assert apart[marked.valid].max(initial=0.0) < 4
 
@@ -173,6 +174,7 @@ def test_a_step_is_found_where_it_is():
     time_s = np.arange(200) / 10
     values = 0.1 * time_s + 2.0 * (time_s >= 7.0)
     step = steps_of(values + np.random.default_rng(2).normal(0, 0.3, 200), time_s)
+    # By its size, place and noise 0.76, with a standard deviation of 0.015.
     assert step.time_s == pytest.approx(7.0, abs=0.2) and step.size == pytest.approx(2.0, abs=0.2)
     assert step.explained > 0.7
     assert steps_of(values[:10], time_s[:10]).size == 0
@@ -246,7 +248,11 @@ def test_readings_that_are_given_again_are_told_as_such(settings):
     assert [(fault.code, fault.sensor) for fault in found] == [("held", "lever_acc")]
     assert found[0].size == pytest.approx(0.14, abs=0.01)
     sound = estimate_ride(ride(), SUZUKI_ET4D, mount(), settings)
-    assert errors_deg(marked, sound) < 12
+    if settings == CLOSED:
+        assert errors_deg(marked, sound) < 1
+    else:
+        apart = np.abs(marked.steering_rad - sound.steering_rad) / marked.steering_sd_rad
+        assert apart[marked.valid].max(initial=0.0) < 4
 
 
 @METHODS
@@ -367,7 +373,8 @@ def test_what_both_sensors_lose_at_once_comes_back_from_neither(how, code, half,
         assert fault.repair is None and fault.costs == ()
         assert fault.sentence.endswith("the angles are not valid") == (settings == FUSION)
     assert not marked.valid[lost].any()
-    assert (marked.valid.mean() > 0.8) == (settings == CLOSED)
+    # The closed form loses these three seconds of 20, and half a median on either side.
+    assert (marked.valid.mean() > 0.75) == (settings == CLOSED)
 
 
 def test_phones_that_rest_together_lost_nothing():
