@@ -138,7 +138,8 @@ class RideAngles(Result):
     steering_sd_rad, throttle_sd_rad : (n,) arrays, rad, one standard deviation by the sensors'
         noise; NaN for the closed form without a stated noise
     valid : (n,) bool array: the method trusts the sample, no accelerometer that is used is frozen,
-        saturated, weightless or out of scale, and the accelerations do not contradict the filter
+        saturated, weightless or out of scale, no such loss is within half the closed form's median
+        (a rest in coarse steps is none), and the accelerations do not contradict the filter
     settings : RideSettings; with fusion, ``settings.fusion`` has the sizes that were used
     warnings : sentences for the user
     """
