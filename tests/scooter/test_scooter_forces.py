@@ -1,5 +1,6 @@
 """Scooter, forces: what an accelerometer cannot say, and a sensor that slips."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from mobility_imu.scooter import (
     slips,
 )
 from mobility_imu.scooter.contradictions import AT_ODDS, rearranged
+from mobility_imu.scooter.faults import _unless_shared
 from mobility_imu.scooter.force import (
     LARGEST_SCALE,
     forceless,
@@ -378,11 +380,17 @@ def test_what_both_sensors_lose_at_once_comes_back_from_neither(how, code, half,
 
 
 def test_phones_that_rest_together_lost_nothing():
-    """Both repeat themselves in coarse steps; they go on a step away."""
+    """Both repeat themselves in coarse steps, and go on a step away: each undoes the other."""
     coarse = ride_of(5, 300).recording
-    frozen_ones = [fault.sensor for fault in examine(coarse) if fault.code == "frozen"]
-    assert frozen_ones == ["lever_acc", "body_acc"]
+    found = [fault for fault in examine(coarse) if fault.code == "frozen"]
+    assert [fault.sensor for fault in found] == ["lever_acc", "body_acc"]
     assert find_faults(coarse, SUZUKI_ET4D, None, FUSION) == ()
+    at_once = [found[0], replace(found[1], flags=found[0].flags)]
+    assert all(fault.repair for fault in _unless_shared(at_once, coarse))
+    acc = np.array(coarse.sensor("body").acc_mps2)
+    acc[np.flatnonzero(found[0].flags)[-1] + 1 :] += 0.5
+    moved = _unless_shared(at_once, with_half(coarse, "body", "acc", acc))
+    assert [fault.repair is None for fault in moved] == [False, True]
 
 
 def test_what_both_lose_one_after_the_other_comes_back():
