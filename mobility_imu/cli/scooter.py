@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -30,12 +31,12 @@ Form = Literal["three-axis", "printed"]
 Sensors = Literal["consumer", "calibrated"]
 FORMS: dict[Form, LibraryForm] = {"three-axis": "corrected", "printed": "printed"}
 """Name of each form in the library."""
-LARGEST_NOISE_MPS2 = 100.0
-SMALLEST_NOISE_MPS2 = 1e-4
 LARGEST_POSE_DEG = 180.0
 LARGEST_SCALE_SD_DEG = 10.0
 MEDIAN_WINDOW = 25
 NO_FAULT = ": the sensors were accelerated in "
+LOSSES = {"frozen": "frozen", "range": "saturated", "no gravity": "weightless"}
+"""Words of the estimate for the faults of an accelerometer that take some samples from it."""
 
 app = sub_app("Mobility scooter: steering and throttle.")
 
@@ -120,12 +121,16 @@ def _judged(
     tell_faults(faults, strict)
     found = mark_faults(estimate_ride(recording, geometry, mount, settings), faults)
     # The estimate says of some sensors what was told with its cost.
-    words = {"frozen": "frozen", "range": "saturated", "no gravity": "weightless"}
-    words["scale"] = "out of scale"
+    words = {**LOSSES, "scale": "out of scale"}
     told = [f": {fault.sensor} is {words[fault.code]} " for fault in faults if fault.code in words]
     left = [text for text in found.warnings if not any(same in text for same in told)]
     # What is said of the recording begins with its name; to be pushed is no fault of a sensor.
     faulty = [w for w in left if w.startswith(f"{recording.source}: ") and NO_FAULT not in w]
+    # Losses that were not told move no angle that is valid; their own samples are not.
+    lost = tuple(
+        f": {name}_acc is {word} in " for name in settings.sensors for word in LOSSES.values()
+    )
+    faulty = [text for text in faulty if not any(loss in text for loss in lost)]
     if strict and faulty:
         raise InputError(faulty[0])
     warn(text.replace("median_window = ", "--median-window ") for text in left)
@@ -134,17 +139,19 @@ def _judged(
 
 def _check_options(method: Method, single_imu: bool, noise: float | None) -> None:
     """Check that the options go together; messages are in the words of the command line."""
+    from mobility_imu.scooter.ride import LARGEST_STATED_MPS2, SMALLEST_STATED_MPS2
+
     if method == "fusion" and single_imu:
         raise InputError("--method fusion needs both IMUs: it cannot be had with --single-imu")
-    if noise is not None and not 0 <= noise <= LARGEST_NOISE_MPS2:
+    if noise is not None and not 0 <= noise <= LARGEST_STATED_MPS2:
         raise InputError(
-            f"--acc-noise-mps2 {noise:g}: expected between 0 and {LARGEST_NOISE_MPS2:g} m/s²"
+            f"--acc-noise-mps2 {noise:g}: expected between 0 and {LARGEST_STATED_MPS2:g} m/s²"
         )
     if noise == 0 and method == "fusion":
         raise InputError("--acc-noise-mps2 0: fusion needs a noise above 0")
-    if noise is not None and method == "fusion" and noise < SMALLEST_NOISE_MPS2:
+    if noise is not None and method == "fusion" and noise < SMALLEST_STATED_MPS2:
         raise InputError(
-            f"--acc-noise-mps2 {noise:g}: expected at least {SMALLEST_NOISE_MPS2:g} m/s² with "
+            f"--acc-noise-mps2 {noise:g}: expected at least {SMALLEST_STATED_MPS2:g} m/s² with "
             "--method fusion"
         )
 
@@ -185,16 +192,30 @@ def calibrate(
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
     recordings = [read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz) for path in parked]
+    told = set()
     for recording in recordings:
-        tell_faults(find_faults(recording, scooter), strict)
+        faults = find_faults(recording, scooter)
+        tell_faults(faults, strict)
+        told |= {(recording.source, fault.sensor) for fault in faults}
     found = calibrate_mount(recordings, settings, scooter)
     if strict and found.severe:
         by_file = found.severe[0].startswith(tuple(one.source for one in recordings))
         raise InputError(found.severe[0] if by_file else f"{poses}: {found.severe[0]}")
-    warn(text.replace("median_window = ", "--median-window ") for text in found.warnings)
+    warn(text for text in found.warnings if not _is_of_a_pose(text, told))
     outputs.write({output: found.to_toml().encode()})
     read = f"read: {len(parked)} parked recordings, {len(settings)} poses in each"
     summarize([read, *scooter_mount_lines(found), written_line([output])], quiet)
+
+
+def _is_of_a_pose(text: str, told: Collection[tuple[str, str]]) -> bool:
+    """Whether a sentence says of a pose what was told of the accelerometer that reads it."""
+    return any(
+        text.startswith(f"{source}: in pose ")
+        and sensor.startswith(f"{name}_acc")
+        and f"the {name}'s IMU" in text
+        for source, sensor in told
+        for name in ("lever", "body")
+    )
 
 
 @app.command("check")

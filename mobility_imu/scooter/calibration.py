@@ -33,6 +33,7 @@ from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
 from mobility_imu.scooter.angles import three_axis_angles
+from mobility_imu.scooter.force import is_wrong_length
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 from mobility_imu.scooter.mount import ScooterMount
 
@@ -66,10 +67,9 @@ LARGEST_MISFIT_RAD = float(np.deg2rad(2.0))
 LARGEST_TURN_SDS = 10.0
 """Standard deviations of the prior about an axis from which on a turn is no way of mounting: poses
 with the sensors of a phone, uncalibrated, lead to 15 deg, axes that were exchanged to 90."""
-LARGEST_LENGTH_ERROR = 0.1
-"""Part of gravity; scales of 3 % and offsets of 50 mg on each axis, the most of data sheets."""
 LARGEST_SWAY_RAD = float(np.deg2rad(2.0))
-"""The body of a parked scooter sways less when its controls are moved; its sensor is bad then."""
+"""The body of a parked scooter sways less when its controls are moved, or its sensor is bad: on a
+track of 0.5 m a wheel would have to sink by 17 mm, a tyre's whole deflection under a rider."""
 LARGEST_POSE_RAD = 360.0
 """A turn in deg: poses that are not in rad are told by their misfit, these are no angles at all."""
 UNSEEN_FRACTION = 0.8
@@ -360,8 +360,9 @@ def _says_length(source: str, poses: Sequence[ParkedPose]) -> list[str]:
     for name in ("lever", "body"):
         forces = np.array([getattr(pose, f"{name}_acc_mps2") for pose in poses])
         lengths = np.linalg.norm(forces, axis=1)
-        worst = int(np.argmax(np.abs(lengths - STANDARD_GRAVITY_MPS2)))
-        if abs(lengths[worst] / STANDARD_GRAVITY_MPS2 - 1) > LARGEST_LENGTH_ERROR:
+        wrong = [k for k, length in enumerate(lengths.tolist()) if is_wrong_length(length)]
+        if wrong:
+            worst = max(wrong, key=lambda k: abs(lengths[k] - STANDARD_GRAVITY_MPS2))
             says.append(
                 f"{source}: in pose {worst + 1} the {name}'s IMU reads {lengths[worst]:.3g} m/s², "
                 f"where gravity is {STANDARD_GRAVITY_MPS2:.3g}: its accelerometer is at fault for "

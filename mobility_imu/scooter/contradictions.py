@@ -41,7 +41,7 @@ from mobility_imu.scooter.pose_check import pose_uncertainty
 from mobility_imu.scooter.sensor_pair import LARGE_OFFSET_RADPS, SensorPair
 from mobility_imu.scooter.slips import slip_of
 
-__all__ = ["Contradictions", "contradictions"]
+__all__ = ["Contradictions", "all_turned_back", "contradictions", "rearranged", "unmirrored"]
 
 SHORTEST_S = 5.0
 """Recordings that are shorter say nothing of two sensors together; the rates of slower ones than
@@ -168,8 +168,8 @@ def _faults_of(pair: SensorPair, *, on_one_clock: bool = False) -> Iterator[Faul
     drives = rms(pair.motion.body_locked) > LEAST_TURNING_RADPS
     slipped = slip_of(pair, AT_ODDS) if drives else None
     if slipped is not None:
-        # A turn from the beginning leaves forces without angles as well.
-        yield from tuple(_tipped(pair)) or (slipped,)
+        # A turn from the beginning leaves most forces without angles.
+        yield from (pair.stated is None and tuple(_tipped(pair))) or (slipped,)
         return
     if pair.stated is None:
         yield from _tipped(pair)

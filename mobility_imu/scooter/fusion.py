@@ -62,6 +62,7 @@ __all__ = [
     "FusionSettings",
     "complementary_angles",
     "fuse_angles",
+    "locked_rate",
     "move_specific_force",
 ]
 

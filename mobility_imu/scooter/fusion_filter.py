@@ -27,6 +27,7 @@ __all__ = [
     "Model",
     "arm_acceleration",
     "correct",
+    "plain",
     "predict",
     "reading_errors",
     "run_filter",

@@ -22,7 +22,7 @@ from mobility_imu.scooter.agreement import MEAN_S, seen_by
 from mobility_imu.scooter.geometry import ScooterGeometry, rotation_lever_to_body
 from mobility_imu.scooter.mount import ScooterMount
 
-__all__ = ["carried", "lengthened", "rebuilt", "stretched"]
+__all__ = ["carried", "cut_axes", "lengthened", "rebuilt", "stretched"]
 
 BESIDE_S = 0.3
 """Samples so close to a loss give no angles: the means of ``MEAN_S`` reach into it from there."""
@@ -100,7 +100,7 @@ def stretched(
     """
     rates = np.array(recording.gyroscope(sensor))
     expected = rebuilt(recording, sensor, flags, geometry, mount).gyroscope(sensor)
-    for k, axis, limit, at_end in _cut_axes(rates, flags):
+    for k, axis, limit, at_end in cut_axes(rates, flags):
         for cut in runs_of(at_end):
             sign = np.sign(axis[cut.start])
             beyond = max(0.0, float(np.mean(sign * expected[cut, k])) - limit)
@@ -133,14 +133,14 @@ def lengthened(recording: Recording, sensor: str, flags: NDArray[np.bool_]) -> R
         for name in (other, sensor)
     )
     acc = np.array(recording.sensor(sensor).acc_mps2)
-    for k, axis, limit, cut in _cut_axes(acc, flags):
+    for k, axis, limit, cut in cut_axes(acc, flags):
         rest = values.sum(axis=1) - values[:, k]
         size = np.sqrt(np.maximum(length.sum(axis=1) - rest, limit**2))
         acc[cut, k] = (np.sign(axis) * size)[cut]
     return with_half(recording, sensor, "acc", acc)
 
 
-def _cut_axes(
+def cut_axes(
     values: FloatArray, flags: NDArray[np.bool_]
 ) -> Iterator[tuple[int, FloatArray, float, NDArray[np.bool_]]]:
     """Axes that are cut, their readings, the end of their range, and where they are at it.
@@ -148,6 +148,15 @@ def _cut_axes(
     Flags are of samples, not of axes. All axes of a sensor have one range: an axis that ends below
     the largest reading is not cut, nor one that is there for a sample or two, nor one that goes on
     beyond it elsewhere for longer than a peak.
+
+    Parameters
+    ----------
+    values : (n, 3) array, of one half of a sensor
+    flags : (n,) bool array, samples that may be at the end of the range
+
+    Yields
+    ------
+    number of the axis, its readings, the end of its range in the values' unit, and (n,) bool array
     """
     sizes = np.abs(values)
     limit = float(sizes[flags].max(initial=0.0))

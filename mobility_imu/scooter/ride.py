@@ -32,7 +32,7 @@ from mobility_imu.scooter.angles import (
     angle_standard_deviations,
     estimate_angles,
 )
-from mobility_imu.scooter.force import forceless, held_samples, wrong_length
+from mobility_imu.scooter.force import ends_in_a_jump, forceless, held_samples, wrong_length
 from mobility_imu.scooter.fusion import LARGEST_VALID_SD_RAD, FusedAngles, fuse_angles
 from mobility_imu.scooter.fusion_noise import acceleration_noise, smallest_step
 from mobility_imu.scooter.fusion_settings import SETTING_LIMITS, FusionSettings
@@ -42,12 +42,12 @@ from mobility_imu.scooter.mount import ScooterMount
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["RideAngles", "RideSettings", "estimate_ride"]
+__all__ = ["RideAngles", "RideSettings", "estimate_ride", "usable_samples"]
 
 Method = Literal["closed-form", "fusion"]
-LARGEST_NOISE_MPS2 = 100.0
+LARGEST_STATED_MPS2 = 100.0
 """Largest noise of an accelerometer that settings may state."""
-SMALLEST_NOISE_MPS2 = SETTING_LIMITS["acc_sd_mps2"][0]
+SMALLEST_STATED_MPS2 = SETTING_LIMITS["acc_sd_mps2"][0]
 """Smallest one that fusion can compute with."""
 NOISE_TIMES = 3.0
 """A recording with more noise than so many times the stated one was not made at rest: shaking is
@@ -110,13 +110,13 @@ class RideSettings:
         if self.acc_noise_mps2 is not None:
             closed = self.method == "closed-form"
             noise = as_number(self.acc_noise_mps2, "acc_noise_mps2", zero=closed)
-            if noise > LARGEST_NOISE_MPS2:
+            if noise > LARGEST_STATED_MPS2:
                 raise InputError(
-                    f"acc_noise_mps2 = {noise:g}: expected at most {LARGEST_NOISE_MPS2:g} m/s²"
+                    f"acc_noise_mps2 = {noise:g}: expected at most {LARGEST_STATED_MPS2:g} m/s²"
                 )
-            if noise < SMALLEST_NOISE_MPS2 and not closed:
+            if noise < SMALLEST_STATED_MPS2 and not closed:
                 raise InputError(
-                    f"acc_noise_mps2 = {noise:g}: expected at least {SMALLEST_NOISE_MPS2:g} m/s² "
+                    f"acc_noise_mps2 = {noise:g}: expected at least {SMALLEST_STATED_MPS2:g} m/s² "
                     "with method = 'fusion'"
                 )
             object.__setattr__(self, "acc_noise_mps2", noise)
@@ -138,7 +138,8 @@ class RideAngles(Result):
     steering_sd_rad, throttle_sd_rad : (n,) arrays, rad, one standard deviation by the sensors'
         noise; NaN for the closed form without a stated noise
     valid : (n,) bool array: the method trusts the sample, no accelerometer that is used is frozen,
-        saturated, weightless or out of scale, and the accelerations do not contradict the filter
+        saturated, weightless or out of scale, no such loss is within half the closed form's median
+        (a rest in coarse steps is none), and the accelerations do not contradict the filter
     settings : RideSettings; with fusion, ``settings.fusion`` has the sizes that were used
     warnings : sentences for the user
     """
@@ -262,7 +263,9 @@ def _estimate(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone set single_imu=True"
         )
     acc = {name: ride.sensor(name).acc_mps2 for name in settings.sensors}
-    usable, warnings = usable_samples(ride, settings.sensors)
+    closed = settings.method == "closed-form"
+    beside = settings.median_window // 2 if closed else 0
+    usable, warnings = usable_samples(ride, settings.sensors, beside)
     if settings.method == "fusion":
         gyr = {name: ride.gyroscope(name) for name in settings.sensors}
     try:
@@ -308,13 +311,18 @@ def _few_valid(valid: NDArray[np.bool_], method: Method) -> str:
     )
 
 
-def usable_samples(ride: Recording, names: Sequence[str]) -> tuple[NDArray[np.bool_], list[str]]:
+def usable_samples(
+    ride: Recording, names: Sequence[str], beside: int = 0
+) -> tuple[NDArray[np.bool_], list[str]]:
     """Samples in which no accelerometer is frozen, saturated or weightless; a sentence on others.
 
     Parameters
     ----------
     ride : Recording
     names : sensors that are looked at
+    beside : samples on either side of a reading that a median has in it: beside a loss they are not
+        usable. What stands still may be a rest in coarse steps; it is a loss if it ends in a jump,
+        or with the recording
 
     Returns
     -------
@@ -325,10 +333,12 @@ def usable_samples(ride: Recording, names: Sequence[str]) -> tuple[NDArray[np.bo
     for name in names:
         acc, rate_hz = ride.sensor(name).acc_mps2, ride.sampling_rate_hz
         frozen = frozen_samples(acc, rate_hz, follows=_felt(ride, name))
+        # An accelerometer that is not in m/s², or dead throughout, is another matter.
+        dead = forceless(acc, rate_hz)
         for what, bad in (
-            ("is frozen", frozen),
+            ("is frozen", frozen & ~dead),
             ("is saturated", saturated_samples(acc) & ~held_samples(acc, rate_hz, first=True)),
-            ("is weightless", forceless(acc, rate_hz) & ~frozen),
+            ("is weightless", dead),
         ):
             if bad.any():
                 warnings.append(
@@ -336,6 +346,9 @@ def usable_samples(ride: Recording, names: Sequence[str]) -> tuple[NDArray[np.bo
                     f"{ride.time_s[np.argmax(bad)]:g} s; they are marked as not valid"
                 )
                 usable &= ~bad
+        lost = dead | ends_in_a_jump(acc, frozen, at_end=True)
+        if beside and lost.any():
+            usable &= ~ndimage.binary_dilation(lost, iterations=beside)
     return usable, warnings
 
 

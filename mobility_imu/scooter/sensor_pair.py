@@ -25,7 +25,7 @@ from mobility_imu.scooter.agreement import (
 from mobility_imu.scooter.geometry import ScooterGeometry
 from mobility_imu.scooter.mount import ScooterMount
 
-__all__ = ["LARGE_OFFSET_RADPS", "SensorPair", "offsets_at_rest", "without_offset"]
+__all__ = ["LARGE_OFFSET_RADPS", "SensorPair", "offsets_at_rest"]
 
 LARGE_OFFSET_RADPS = float(np.deg2rad(4.5))
 """Data sheets of consumer sensors state up to 3 deg/s at rest, and half as much for warmth."""

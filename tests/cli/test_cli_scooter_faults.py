@@ -5,6 +5,8 @@ import pandas as pd
 import pytest
 from command_lines import angles
 
+from mobility_imu.cli.scooter import _is_of_a_pose
+
 FUSION = ("--method", "fusion")
 
 
@@ -123,9 +125,50 @@ def held_lever(ride):
 
 
 @pytest.mark.usefixtures("simulated")
-def test_what_the_estimate_says_of_a_sensor_is_refused_if_strict(tmp_path, works, fails):
-    """At rest, a held reading costs too little to be told with its cost; a fault it is."""
-    line = [*angles(spoil(tmp_path, held_lever), "geometry.toml"), *FUSION]
+@pytest.mark.parametrize("options", [(), FUSION])
+def test_a_loss_that_moves_no_angle_passes_strict(tmp_path, works, options):
+    """At rest, a held reading is told; its samples are not valid, and the others do not feel it."""
+    line = [*angles(spoil(tmp_path, held_lever), "geometry.toml"), *options, "--strict"]
     assert "bad.csv: lever_acc is frozen in 41 samples" in works(*line).stderr
+    found = pd.read_csv(tmp_path / "a.csv")
+    assert (found["valid"][20:61] == 0).all() and (found["valid"][80:] == 1).mean() > 0.9
+    works(*angles("ride.csv.gz", "geometry.toml", "sound.csv"), *options)
+    sound = pd.read_csv(tmp_path / "sound.csv")
+    for name in ("steering_deg", "throttle_deg"):
+        assert (found[name] - sound[name])[found["valid"] == 1].abs().max() < 1.0
+
+
+@pytest.mark.usefixtures("simulated")
+def test_what_only_the_estimate_says_is_refused_if_strict(tmp_path, works, fails):
+    """No sensor is at fault; with such a noise few angles are known."""
+    line = [*angles("ride.csv.gz", "geometry.toml"), *FUSION, "--acc-noise-mps2", "100"]
+    assert "leave the steering uncertain by 20 deg or more" in works(*line).stderr
     (tmp_path / "a.csv").unlink()
-    fails(*line, "--strict", says=["bad.csv: lever_acc is frozen in 41 samples"])
+    fails(*line, "--strict", says=["of the samples are valid"])
+
+
+def scaled(ride, sensor):
+    ride[[name for name in ride if name.startswith(f"{sensor}_acc")]] *= 1.3
+
+
+@pytest.mark.usefixtures("simulated")
+@pytest.mark.parametrize("sensor", ["lever", "body"])
+def test_calibrate_tells_an_accelerometer_once(tmp_path, works, sensor):
+    """Its poses are of the other length as well; of another recording's sensor they are told."""
+    for name in ("level", "ramp"):
+        parked = pd.read_csv(tmp_path / f"parked_{name}.csv.gz")
+        scaled(parked, sensor)
+        parked.to_csv(tmp_path / f"{name}.csv", index=False)
+    line = ["scooter", "calibrate", "level.csv", "ramp.csv", "--geometry", "geometry.toml"]
+    said = works(*line, "--poses", "poses.csv", "-o", "m.toml").stderr.splitlines()
+    for name in ("level", "ramp"):
+        (told,) = [text for text in said if f"{name}.csv: " in text and "m/s²" in text]
+        assert f"{sensor}_acc reads 1" in told and "m/s² of gravity" in told
+
+
+def test_only_what_was_told_of_a_pose_is_left_out():
+    text = "a.csv: in pose 2 the lever's IMU reads 7 m/s², where gravity is 9.81"
+    assert _is_of_a_pose(text, {("a.csv", "lever_acc")})
+    for source, sensor in (("b.csv", "lever_acc"), ("a.csv", "body_acc"), ("a.csv", "lever_gyr")):
+        assert not _is_of_a_pose(text, {(source, sensor)})
+    assert not _is_of_a_pose("the poses fit no mount", {("a.csv", "lever_acc")})

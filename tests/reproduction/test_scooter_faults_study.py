@@ -56,7 +56,10 @@ def test_the_summary_is_that_of_the_rows(numbers, table):
 
 
 def test_how_many_are_told_and_how_well_they_are_priced(table):
-    """Floors below what is recorded: 95 % of what matters is told, where 98 % were wanted."""
+    """Floors three standard deviations (of a fraction of as many cases) below the record.
+
+    The aims of the study are higher, 98 % told; its page says which of them are missed.
+    """
     found = study.summary(table)
     total = found.sum()
     assert total["matter"] > 650
@@ -65,14 +68,20 @@ def test_how_many_are_told_and_how_well_they_are_priced(table):
     assert total["within_two"] >= 0.94 * total["priced"]
     # The worst kinds: turns within what a mount leaves uncertain, and one pose of six.
     part = found["told"] / found["matter"]
-    assert part.drop(["turned since the calibration", "poses", "clock"]).min() >= 0.9
-    assert part["turned since the calibration"] >= 0.85 and part["poses"] >= 0.65
+    rough = ["turned since the calibration", "poses", "clock"]
+    assert part.drop(rough).min() >= 0.85
+    assert part["turned since the calibration"] >= 0.85 and part["poses"] >= 0.5
+    right = found["right"] / found["matter"]
+    assert right.drop(rough).min() >= 0.7
+    assert right["turned since the calibration"] >= 0.6
+    near = found["within_two"] / found["priced"]
+    assert near["turned since the calibration"] >= 0.6
 
 
 def test_how_often_a_sound_ride_is_accused(numbers):
-    """Recorded are 2.5 % of the rides, where 1 % was wanted."""
+    """The aim is 1 %; at one ride in 40, more than 4.5 % come by chance once in 25 records."""
     clean = numbers["clean"]
-    assert len(clean["told"]) <= 0.03 * sum(clean["rides"].values())
+    assert len(clean["told"]) <= 0.045 * sum(clean["rides"].values())
 
 
 def test_counts_add_up():

@@ -2,9 +2,15 @@
 
 import numpy as np
 import pytest
+from rides import FUSION, mount, ride
+from scipy.stats import norm
 
-from mobility_imu.scooter import FusionSettings
-from mobility_imu.scooter.fusion_constants import constant_deviations, unlikely_constant
+from mobility_imu.scooter import SUZUKI_ET4D, FusionSettings, estimate_ride, fusion
+from mobility_imu.scooter.fusion_constants import (
+    UNLIKELY_SDS,
+    constant_deviations,
+    unlikely_constant,
+)
 from mobility_imu.scooter.fusion_filter import ARMS, BODY, CONSTANTS
 
 SIZES = FusionSettings()
@@ -17,6 +23,32 @@ def test_every_constant_has_the_deviation_of_its_kind():
     assert (sd[6:9] == SIZES.misalignment_sd_rad).all() and (sd[9:12] == SIZES.gyr_scale_sd).all()
     assert (sd[12:15] == SIZES.bias_sd_radps).all() and (sd[15:18] == SIZES.axes_apart_sd_rad).all()
     assert (sd[ARMS:] == SIZES.lever_arm_sd_m).all()
+
+
+def test_how_often_a_sound_recording_is_told_of_by_chance():
+    """Of the constants, those are judged that are told at twice the limit, one at a time."""
+    judged = 0
+    for place in range(CONSTANTS):
+        learned = np.zeros(CONSTANTS)
+        learned[place] = 2 * UNLIKELY_SDS * constant_deviations(SIZES)[place]
+        judged += len(unlikely_constant(learned, SIZES))
+    assert judged == 24
+    assert 1 / (judged * 2 * norm.sf(UNLIKELY_SDS)) == pytest.approx(660, abs=5)
+
+
+@pytest.mark.parametrize("calibrated", [True, False])
+def test_sound_rides_stay_far_below_the_limit(calibrated, monkeypatch):
+    """At less than half of it: what a ride learns follows from its noise, seeds differ."""
+    learned = []
+
+    def watched(constants, settings):
+        sd = constant_deviations(settings)[:ARMS].reshape(2, -1, 3)
+        learned.append(np.abs(constants[:ARMS].reshape(2, -1, 3) / sd)[:, :4].max())
+        return ()
+
+    monkeypatch.setattr(fusion, "unlikely_constant", watched)
+    estimate_ride(ride(), SUZUKI_ET4D, mount() if calibrated else None, FUSION)
+    assert learned and 0 < max(learned) < UNLIKELY_SDS / 2
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,14 @@
 """Scooter: huge and tiny numbers are answered or refused, without a warning of numpy's own."""
 
+import importlib
+import inspect
+import pkgutil
+
 import numpy as np
 import pytest
 from scooters import parked
 
+from mobility_imu import scooter
 from mobility_imu.errors import InputError
 from mobility_imu.scooter import SUZUKI_ET4D, ScooterGeometry, ScooterMount, estimate_angles
 from mobility_imu.scooter.calibration import ParkedPose, mount_from_poses
@@ -12,6 +17,11 @@ from mobility_imu.scooter.fusion_noise import acceleration_noise
 from mobility_imu.scooter.geometry import body_specific_force, lever_acceleration
 
 READINGS = parked(40)
+MODULES = sorted(
+    info.name
+    for info in pkgutil.iter_modules(scooter.__path__)
+    if info.name not in ("angles", "geometry", "pulses")
+)
 MOUNT = ScooterMount(
     [[0.6, -0.8, 0], [0.8, 0.6, 0], [0, 0, 1]], [[1, 0, 0], [0, 0.6, -0.8], [0, 0.8, 0.6]]
 )
@@ -94,3 +104,22 @@ def test_a_length_that_overflows_is_named_by_its_row():
     lever[7] = 1e300
     with pytest.raises(InputError, match="row 7: too large to have a length"):
         acceleration_noise(lever, body)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_module_lists_what_it_offers_and_no_more(name):
+    """Functions and classes of its own without an underscore; constants and kept names beside."""
+    module = importlib.import_module(f"mobility_imu.scooter.{name}")
+    own = {
+        what
+        for what, value in vars(module).items()
+        if not what.startswith("_")
+        and (inspect.isclass(value) or callable(value))
+        and getattr(value, "__module__", "") == module.__name__
+    }
+    assert own <= set(module.__all__)
+    assert all(what in own or what.isupper() or what in KEPT for what in module.__all__)
+
+
+KEPT = {"FusionSettings"}
+"""Names that another module also offers: settings beside the function that takes them."""

@@ -5,8 +5,8 @@ import pytest
 from rides import ride
 
 from mobility_imu.errors import InputError
-from mobility_imu.scooter import SUZUKI_ET4D, mended
-from mobility_imu.scooter.mended import carried, lengthened, stretched
+from mobility_imu.scooter import SUZUKI_ET4D
+from mobility_imu.scooter.mended import carried, cut_axes, lengthened, stretched
 from mobility_imu.simulation import faults as put
 
 
@@ -35,13 +35,13 @@ def test_a_peak_of_two_samples_is_not_cut():
     values = np.zeros((20, 3))
     values[3:6, 0], values[10:12, 1], values[14:18, 2] = -5.0, 5.0, 4.0
     flags = (values != 0).any(axis=1)
-    ((axis, readings, limit, at_end),) = mended._cut_axes(values, flags)
+    ((axis, readings, limit, at_end),) = cut_axes(values, flags)
     assert (axis, limit) == (0, 5.0) and (readings == values[:, 0]).all()
     assert np.flatnonzero(at_end).tolist() == [3, 4, 5]
     values[18, 0] = 50.0
-    assert len(list(mended._cut_axes(values, flags))) == 1  # a spike is no wider range
+    assert len(list(cut_axes(values, flags))) == 1  # a spike is no wider range
     values[17:, 0] = 5.5
-    assert list(mended._cut_axes(values, flags)) == []
+    assert list(cut_axes(values, flags)) == []
 
 
 @pytest.mark.parametrize("start_s", [0.0, 0.2])

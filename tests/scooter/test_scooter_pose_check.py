@@ -61,13 +61,17 @@ def checks():
 
 @pytest.mark.parametrize("calibrated", [True, False])
 def test_stated_deviations_hold_on_drawn_scooters(checks, calibrated):
-    """Sizes of the simulated sensors are those assumed; few scooters, whose poses share errors."""
+    """Sizes of the simulated sensors are those assumed; few scooters, whose poses share errors.
+
+    Poses of a scooter may be all inside 95 %, or all outside: a fraction of twelve has a standard
+    deviation of 6.3 %. Three of them are left; fewer than nine that agree are one draw in 500.
+    """
     found = checks[calibrated]
     rms = np.sqrt(np.mean([one.rms_rad**2 for one in found], axis=0))
     stated = np.sqrt(np.mean([one.difference_sd_rad**2 for one in found], axis=(0, 1)))
     assert (stated / rms > 0.6).all() and (stated / rms < 1.7).all()
-    assert 0.85 <= np.mean([one.inside for one in found])
-    assert sum(one.verdict == "agrees" for one in found) >= 11
+    assert 0.76 <= np.mean([one.inside for one in found])
+    assert sum(one.verdict == "agrees" for one in found) >= 9
 
 
 def test_a_calibration_makes_the_stated_deviation_smaller(checks):

