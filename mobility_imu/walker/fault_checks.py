@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -21,6 +20,7 @@ from mobility_imu.quality import (
 )
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.walker.reach import FRAME, UNKNOWN, placed, with_reach
 from mobility_imu.walker.rest_checks import (
     LARGEST_LAG_S,
     LEAST,
@@ -33,19 +33,10 @@ from mobility_imu.walker.rest_checks import (
     moves_between_rests,
     rest_rates,
 )
-from mobility_imu.walker.saturation import FARTHEST, bridged_rates
-from mobility_imu.walker.stillness import StillnessSettings, find_stillness, stillness_signals
+from mobility_imu.walker.stillness import StillnessSettings, find_stillness
 
-__all__ = ["BRIDGED_S", "BROKEN", "FRAME", "UNKNOWN", "faults_of_readings", "placed", "with_reach"]
+__all__ = ["faults_of_readings"]
 
-FRAME = "frame"
-BROKEN = frozenset({"frozen", "dead axis"})
-"""Faults of readings that say nothing; what else is odd comes from them."""
-BRIDGED_S = 0.3
-"""A frozen half is bridged by a line if it is shorter: a third of a step."""
-MOST_CAPPED, MOST_CUT = 0.05, 0.1
-"""Parts of the cut samples whose curve ends at twice the range, and of all samples that are cut, up
-to which what was cut off counts as known. Our choice, not swept."""
 SOME_CUT = 0.01
 """Part of the samples at the end of a range from which on the halves are not held against each
 other: what was cut looks like a scale. Our choice, not swept."""
@@ -53,8 +44,6 @@ HELD_STEPS, HELD_MPS2 = 2.0, 0.1
 """Change of gravity in a sensor's axes that it has to feel: so many steps and so much beyond.
 Rounding hides one step, and one more at its edge; the rest is 0.6 deg of tilt. Our choice, not
 swept."""
-UNKNOWN = "; what the path does there is not known, nor its place and heading from there on"
-
 LEAST_LAG_S, LEAST_SCALE = 0.07, 0.04
 """Smallest lag that is told: the halves of one chip differ by up to 0.01 s (data sheets of their
 low-passes), and the lags of 32 simulated walks without a fault, level "real", scatter by 0.018 s,
@@ -144,88 +133,6 @@ def faults_of_readings(
     if not told:
         told += _misfits(recording, readings)
     return told
-
-
-def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings) -> Fault:
-    """Fault as the path sees it: with the repair that a path can be found with, or with none.
-
-    Parameters
-    ----------
-    fault : Fault of the frame, of :func:`mobility_imu.health.examine`
-    recording : Recording
-    stillness : StillnessSettings
-
-    Returns
-    -------
-    Fault
-        An axis that is dead throughout has no repair, and its sentence says so. A cut range is
-        repaired by a curve over each cut, or has no repair if too much is cut. A frozen half, or an
-        axis that is dead for some time, is bridged by a line if that is shorter than ``BRIDGED_S``
-        or the other half shows no motion meanwhile, or has no repair.
-        Faults of other kinds are as they were.
-    """
-    if fault.code == "dead axis" and fault.flags.all():
-        return replace(fault, sentence=fault.sentence + UNKNOWN)
-    if fault.code == "range":
-        half = fault.sensor.removeprefix(f"{FRAME}_")
-        _, known = _with_peaks(half_of(recording, FRAME, half), fault.flags)
-        if known:
-            return replace(fault, repair=partial(_peaks_back, half=half, flags=fault.flags))
-        return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
-    if fault.code not in BROKEN:
-        return fault
-    imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
-    rates = recording.gyroscope(FRAME)
-    turns, shakes = stillness_signals(
-        imu.acc_mps2, rates - np.median(rates, axis=0), rate_hz, stillness
-    )
-    moves = (
-        shakes > stillness.acc_deviation_mps2
-        if fault.sensor.startswith(f"{FRAME}_gyr")
-        else turns > stillness.rate_radps
-    )
-    longest = max(run.stop - run.start for run in runs_of(fault.flags)) / rate_hz
-    if longest <= BRIDGED_S or not (moves & fault.flags).any():
-        return fault
-    return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
-
-
-def _peaks_back(recording: Recording, half: str, flags: NDArray[np.bool_]) -> Recording:
-    """Recording with a curve over each cut of one half."""
-    undone, _ = _with_peaks(half_of(recording, FRAME, half), flags)
-    return with_half(recording, FRAME, half, undone)
-
-
-def _with_peaks(values: FloatArray, flags: NDArray[np.bool_]) -> tuple[FloatArray, bool]:
-    """Readings with a curve over each cut, and whether the curves stay below twice the range.
-
-    The spline goes on as the readings beside a cut rise and fall.
-    """
-    undone, known = np.array(values), True
-    for k, axis in enumerate(values.T):
-        limit = float(np.abs(axis[flags]).max(initial=0.0))
-        cut = long_runs(flags & (np.abs(axis) == limit), 2, grow=False)
-        if not cut.any():
-            continue
-        below = np.nextafter(limit, 0.0)
-        bridged, _ = bridged_rates(
-            np.where(cut, axis, np.clip(axis, -below, below))[:, None], below
-        )
-        undone[cut, k] = bridged[cut, 0]
-        capped = np.abs(bridged[cut, 0]) >= (FARTHEST - 0.01) * limit
-        known &= bool(capped.mean() < MOST_CAPPED and cut.mean() < MOST_CUT)
-    return undone, known
-
-
-def placed(flags: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
-    """Flags of a recording from those of its last samples.
-
-    Parameters
-    ----------
-    flags : (n,) bool array
-    count : samples of the recording
-    """
-    return np.asarray(np.r_[np.zeros(count - len(flags), np.bool_), flags])
 
 
 def _halves(

@@ -31,13 +31,14 @@ from mobility_imu.walker.calibration import (
     calibrate_from_path,
     check_choices,
 )
-from mobility_imu.walker.fault_checks import FRAME, UNKNOWN, faults_of_readings, with_reach
+from mobility_imu.walker.fault_checks import faults_of_readings
 from mobility_imu.walker.follow import LATEST_REST_S, checked_options, navigate_recording
 from mobility_imu.walker.gaps import gaps_in_moves, without_gaps
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
 from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
+from mobility_imu.walker.reach import FRAME, UNKNOWN, with_reach
 from mobility_imu.walker.rest_checks import Readings
 from mobility_imu.walker.rounding import coarse_rates
 from mobility_imu.walker.sensor_errors import REST_WORDS

@@ -11,7 +11,7 @@ from mobility_imu.faults import Fault
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.fault_checks import BRIDGED_S, FRAME, UNKNOWN, placed
+from mobility_imu.walker.reach import BRIDGED_S, FRAME, UNKNOWN, placed
 from mobility_imu.walker.rest_checks import LONGEST_MOVE_S, Readings
 
 __all__ = ["filled_samples", "gaps_in_moves", "without_gaps"]

@@ -15,8 +15,8 @@ from mobility_imu.health import fault_of, samples_lost
 from mobility_imu.recording import Recording
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.fault_checks import FRAME, placed
 from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.reach import FRAME, placed
 from mobility_imu.walker.rest_checks import shortest_turns
 from mobility_imu.walker.steps import find_steps
 from mobility_imu.walker.trajectory import Trajectory

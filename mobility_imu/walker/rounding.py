@@ -12,8 +12,8 @@ from mobility_imu.health import fault_of
 from mobility_imu.quality import resolution_of
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.fault_checks import BROKEN, FRAME
 from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.reach import BROKEN, FRAME
 from mobility_imu.walker.trajectory import Trajectory
 
 __all__ = ["coarse_rates", "rounded_mean_sd"]

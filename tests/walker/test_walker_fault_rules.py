@@ -29,10 +29,11 @@ from mobility_imu.walker import (
     valid_samples,
 )
 from mobility_imu.walker import faults as walker_faults
-from mobility_imu.walker.fault_checks import faults_of_readings, with_reach
+from mobility_imu.walker.fault_checks import faults_of_readings
 from mobility_imu.walker.faults import not_told
 from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
+from mobility_imu.walker.reach import with_reach
 from mobility_imu.walker.rest_checks import HalvesFit, Readings
 
 

@@ -1,0 +1,110 @@
+"""What a path can do about a fault of a sensor: bridge it, or know nothing from there on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mobility_imu.faults import Fault, half_of, with_half
+from mobility_imu.frames import FloatArray
+from mobility_imu.recording import Recording
+from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.walker.saturation import FARTHEST, bridged_rates
+from mobility_imu.walker.stillness import StillnessSettings, stillness_signals
+
+__all__ = ["BRIDGED_S", "BROKEN", "FRAME", "UNKNOWN", "placed", "with_reach"]
+
+FRAME = "frame"
+BROKEN = frozenset({"frozen", "dead axis"})
+"""Faults of readings that say nothing; what else is odd comes from them."""
+BRIDGED_S = 0.3
+"""A frozen half is bridged by a line if it is shorter: a third of a step."""
+MOST_CAPPED, MOST_CUT = 0.05, 0.1
+"""Parts of the cut samples whose curve ends at twice the range, and of all samples that are cut, up
+to which what was cut off counts as known. Our choice, not swept."""
+UNKNOWN = "; what the path does there is not known, nor its place and heading from there on"
+
+
+def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings) -> Fault:
+    """Fault as the path sees it: with the repair that a path can be found with, or with none.
+
+    Parameters
+    ----------
+    fault : Fault of the frame, of :func:`mobility_imu.health.examine`
+    recording : Recording
+    stillness : StillnessSettings
+
+    Returns
+    -------
+    Fault
+        An axis that is dead throughout has no repair, and its sentence says so. A cut range is
+        repaired by a curve over each cut, or has no repair if too much is cut. A frozen half, or an
+        axis that is dead for some time, is bridged by a line if that is shorter than ``BRIDGED_S``
+        or the other half shows no motion meanwhile, or has no repair.
+        Faults of other kinds are as they were.
+    """
+    if fault.code == "dead axis" and fault.flags.all():
+        return replace(fault, sentence=fault.sentence + UNKNOWN)
+    if fault.code == "range":
+        half = fault.sensor.removeprefix(f"{FRAME}_")
+        _, known = _with_peaks(half_of(recording, FRAME, half), fault.flags)
+        if known:
+            return replace(fault, repair=partial(_peaks_back, half=half, flags=fault.flags))
+        return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
+    if fault.code not in BROKEN:
+        return fault
+    imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
+    rates = recording.gyroscope(FRAME)
+    turns, shakes = stillness_signals(
+        imu.acc_mps2, rates - np.median(rates, axis=0), rate_hz, stillness
+    )
+    moves = (
+        shakes > stillness.acc_deviation_mps2
+        if fault.sensor.startswith(f"{FRAME}_gyr")
+        else turns > stillness.rate_radps
+    )
+    longest = max(run.stop - run.start for run in runs_of(fault.flags)) / rate_hz
+    if longest <= BRIDGED_S or not (moves & fault.flags).any():
+        return fault
+    return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
+
+
+def _peaks_back(recording: Recording, half: str, flags: NDArray[np.bool_]) -> Recording:
+    """Recording with a curve over each cut of one half."""
+    undone, _ = _with_peaks(half_of(recording, FRAME, half), flags)
+    return with_half(recording, FRAME, half, undone)
+
+
+def _with_peaks(values: FloatArray, flags: NDArray[np.bool_]) -> tuple[FloatArray, bool]:
+    """Readings with a curve over each cut, and whether the curves stay below twice the range.
+
+    The spline goes on as the readings beside a cut rise and fall.
+    """
+    undone, known = np.array(values), True
+    for k, axis in enumerate(values.T):
+        limit = float(np.abs(axis[flags]).max(initial=0.0))
+        cut = long_runs(flags & (np.abs(axis) == limit), 2, grow=False)
+        if not cut.any():
+            continue
+        below = np.nextafter(limit, 0.0)
+        bridged, _ = bridged_rates(
+            np.where(cut, axis, np.clip(axis, -below, below))[:, None], below
+        )
+        undone[cut, k] = bridged[cut, 0]
+        capped = np.abs(bridged[cut, 0]) >= (FARTHEST - 0.01) * limit
+        known &= bool(capped.mean() < MOST_CAPPED and cut.mean() < MOST_CUT)
+    return undone, known
+
+
+def placed(flags: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
+    """Flags of a recording from those of its last samples.
+
+    Parameters
+    ----------
+    flags : (n,) bool array
+    count : samples of the recording
+    """
+    return np.asarray(np.r_[np.zeros(count - len(flags), np.bool_), flags])
