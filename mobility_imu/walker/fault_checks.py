@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from mobility_imu.faults import Fault, half_of, interpolated, multiplied, shifted, with_half
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
-from mobility_imu.health import fault_of, samples_lost
+from mobility_imu.health import fault_of
 from mobility_imu.quality import (
     SHORTEST_FROZEN_S,
     resolution_of,
@@ -20,7 +20,7 @@ from mobility_imu.quality import (
 )
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.reach import FRAME, UNKNOWN, placed, with_reach
+from mobility_imu.walker.reach import FRAME, UNKNOWN, placed, samples_unknown, with_reach
 from mobility_imu.walker.rest_checks import (
     LARGEST_LAG_S,
     LEAST,
@@ -35,7 +35,7 @@ from mobility_imu.walker.rest_checks import (
 )
 from mobility_imu.walker.stillness import StillnessSettings, find_stillness
 
-__all__ = ["faults_of_readings"]
+__all__ = ["faults_of_readings", "is_held", "steps_are_coarse"]
 
 SOME_CUT = 0.01
 """Part of the samples at the end of a range from which on the halves are not held against each
@@ -111,15 +111,16 @@ def faults_of_readings(
     checks: list[Iterable[Fault]] = [_spikes(recording, readings, found)]
     cut = any(f.code == "range" and f.flags.mean() > SOME_CUT for f in found)
     frozen = any(f.code == "frozen" for f in found)
-    held = [] if frozen else list(_held(recording, readings, stillness))
-    lost = samples_lost([*found, *held], len(recording))
-    # In coarse steps a late half looks frozen: then all samples are asked for a lag first.
-    coarse = resolution_of(recording.sensor(FRAME).acc_mps2).all_coarse
+    held = [] if frozen else list(_held(recording, found, stillness))
+    lost = samples_unknown([*found, *held], len(recording))
+    # In coarse steps a late half looks frozen: then its samples are asked for a lag first.
+    firm = samples_unknown([f for f in found if not is_held(f)], len(recording))
     late: list[Fault] = []
-    if coarse and (cut or lost.any()):
-        late = [fault for fault in _halves(recording, readings, stillness) if fault.code == "lag"]
+    if (cut or lost.any()) and steps_are_coarse(recording, found):
+        asked = readings._replace(lost=firm[-len(readings.time_s) :])
+        late = [fault for fault in _halves(recording, asked, stillness) if fault.code == "lag"]
     if late:
-        held = []
+        held, lost = [], firm
     readings = readings._replace(lost=lost[-len(readings.time_s) :])
     turning = [] if cut else list(_turning_rests(recording, readings))
     checks.append(late if late or cut else _halves(recording, readings, stillness, turning))
@@ -133,6 +134,36 @@ def faults_of_readings(
     if not told:
         told += _misfits(recording, readings)
     return told
+
+
+def is_held(fault: Fault) -> bool:
+    """Whether a fault is an accelerometer that repeats itself.
+
+    Parameters
+    ----------
+    fault : Fault
+
+    Returns
+    -------
+    bool
+    """
+    return (fault.code, fault.sensor) == ("frozen", f"{FRAME}_acc")
+
+
+def steps_are_coarse(recording: Recording, found: Iterable[Fault]) -> bool:
+    """Whether the accelerometer may repeat itself because of its steps.
+
+    Parameters
+    ----------
+    recording : Recording with a sensor "frame"
+    found : Fault; a gap that was filled tells nothing of the steps
+
+    Returns
+    -------
+    bool
+    """
+    gaps = samples_unknown([f for f in found if f.code == "gap"], len(recording))
+    return resolution_of(recording.sensor(FRAME).acc_mps2, skip=gaps).all_coarse
 
 
 def _halves(
@@ -239,7 +270,7 @@ def _scale_words(fit: HalvesFit) -> str:
 
 
 def _held(
-    recording: Recording, readings: Readings, stillness: StillnessSettings
+    recording: Recording, found: Sequence[Fault], stillness: StillnessSettings
 ) -> Iterator[Fault]:
     """An accelerometer in coarse steps that repeats itself while the gyroscope turns gravity."""
     imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
@@ -248,9 +279,10 @@ def _held(
     )
     if not same.any():
         return
-    rates = recording.gyroscope(FRAME) - readings.offset()
-    felt = turned_gravity(imu.acc_mps2, rates, rate_hz)
-    step = float(resolution_of(imu.acc_mps2, skip=same).step.max())
+    # The offset is taken off in there.
+    felt = turned_gravity(imu.acc_mps2, recording.gyroscope(FRAME), rate_hz)
+    unknown = same | samples_unknown(found, len(recording))
+    step = float(resolution_of(imu.acc_mps2, skip=unknown).step.max())
     flags = np.zeros(len(recording), np.bool_)
     for run in runs_of(same):
         flags[run] = np.ptp(felt[run], axis=0).max() > HELD_STEPS * step + HELD_MPS2

@@ -31,9 +31,9 @@ from mobility_imu.walker.calibration import (
     calibrate_from_path,
     check_choices,
 )
-from mobility_imu.walker.fault_checks import faults_of_readings
+from mobility_imu.walker.fault_checks import faults_of_readings, is_held, steps_are_coarse
 from mobility_imu.walker.follow import LATEST_REST_S, checked_options, navigate_recording
-from mobility_imu.walker.gaps import gaps_in_moves, without_gaps
+from mobility_imu.walker.gaps import filled_samples, gaps_in_moves, is_of_a_gap, without_samples
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
@@ -51,6 +51,9 @@ __all__ = ["find_faults", "find_tilt_faults", "not_told", "valid_samples"]
 NEGLIGIBLE = {"m": 1e-3, "deg": 0.01}
 """A range whose end costs less is not told: a sensor with coarse steps repeats its largest value by
 chance."""
+MOST_FILLED = 0.5
+"""Part of a recording up to which straight lines are gaps; beyond it all was interpolated. Our
+choice, not swept."""
 TILTS_UNKNOWN = "; how the frame tilts there is not known, and the mount may be wrong"
 SAID = (
     (f"{FRAME}_acc is saturated in", "range", f"{FRAME}_acc", ""),
@@ -114,16 +117,16 @@ def find_faults(
         closed_loop=closed_loop,
         rests=known,
     )
-    found = [with_reach(fault, recording, stillness) for fault in examine(recording)]
+    filled = filled_samples(recording)
+    found = _of_sensors(recording, stillness, filled)
     try:
         path = path_of(recording)
     except InputError:
         return tuple(found)
     readings = _readings(recording, path.time_s, path.stationary)
-    for gap in gaps_in_moves(recording, path.stationary):
-        found.append(gap)
-        readings = without_gaps(readings, gap.flags)
-    found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
+    found += gaps_in_moves(recording, path.stationary, filled)
+    more = faults_of_readings(recording, readings, found, stillness)
+    found = _with_readings(recording, found, more)
     found += faults_of_path(recording, path, mount, found)
     found += coarse_rates(recording, path, mount, found)
     found += _not_closed(recording, path, path_of)
@@ -171,7 +174,8 @@ def find_tilt_faults(
         recording, smooth=smooth, settings=settings, stillness=stillness
     )
     recording = _frame_of(recording)
-    found = [with_reach(fault, recording, stillness) for fault in examine(recording)]
+    filled = filled_samples(recording)
+    found = _of_sensors(recording, stillness, filled)
 
     def mount_of(changed: Recording) -> tuple[Navigation, WalkerCalibration]:
         path, warnings = navigate_recording(
@@ -193,10 +197,9 @@ def find_tilt_faults(
     except InputError:
         return tuple(_of_tilts(fault) for fault in found)
     readings = _readings(recording, path.time_s, path.still)
-    for gap in gaps_in_moves(recording, path.still):
-        found.append(gap)
-        readings = without_gaps(readings, gap.flags)
-    found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
+    found += gaps_in_moves(recording, path.still, filled)
+    more = faults_of_readings(recording, readings, found, stillness)
+    found = _with_readings(recording, found, more)
     found += faults_of_tilts(recording, stated.warnings, len(path.time_s), found)
     found = [_of_tilts(fault) for fault in found]
 
@@ -377,11 +380,28 @@ def _frame_of(recording: Recording) -> Recording:
     return Recording(recording.time_s, frame, source=recording.source)
 
 
-def _with_readings(found: list[Fault], more: list[Fault]) -> list[Fault]:
-    """Faults together; a late half also looks like wrong signs, and like a frozen accelerometer."""
+def _of_sensors(
+    recording: Recording, stillness: StillnessSettings, filled: NDArray[np.bool_]
+) -> list[Fault]:
+    """Faults that any sensor may have, as the path sees them; what a filled gap shows is none.
+
+    A line has finer steps than a coarse sensor, whose rests then look frozen: with a gap counts
+    what is found without its samples as well.
+    """
+    found = [fault for fault in examine(recording) if not is_of_a_gap(fault, filled)]
+    if found and 0 < filled.mean() < MOST_FILLED:
+        short = {
+            (fault.code, fault.sensor) for fault in examine(without_samples(recording, filled))
+        }
+        found = [fault for fault in found if (fault.code, fault.sensor) in short]
+    return [with_reach(fault, recording, stillness) for fault in found]
+
+
+def _with_readings(recording: Recording, found: list[Fault], more: list[Fault]) -> list[Fault]:
+    """Faults together; a late half also looks like wrong signs, and in coarse steps like frozen."""
     codes = {fault.code for fault in more}
-    if "lag" in codes:
-        found = [f for f in found if (f.code, f.sensor) != ("frozen", f"{FRAME}_acc")]
+    if "lag" in codes and steps_are_coarse(recording, found):
+        found = [fault for fault in found if not is_held(fault)]
     if codes & {"lag", "reversed"}:
         found = [fault for fault in found if fault.code != "reversed"]
     return found + more

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault, turned_back
-from mobility_imu.health import fault_of, samples_lost
+from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.runs import long_runs, runs_of
 from mobility_imu.walker.mount import WalkerMount
-from mobility_imu.walker.reach import FRAME, placed
+from mobility_imu.walker.reach import FRAME, placed, samples_unknown
 from mobility_imu.walker.rest_checks import shortest_turns
 from mobility_imu.walker.steps import find_steps
 from mobility_imu.walker.trajectory import Trajectory
@@ -76,7 +76,7 @@ def faults_of_path(
     gross = any(f.code == "scale" and not abs(f.size) < GROSS_SCALE for f in known)
     if "reversed" in codes or gross:
         return told
-    usable = _without_lost(found, samples_lost(known, count)[late:])
+    usable = _without_lost(found, samples_unknown(known, count)[late:])
     if not usable[~found.stationary].any():
         return told
     if found.settings.zero_rate:  # settings of a foot are without

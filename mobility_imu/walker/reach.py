@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 
@@ -10,12 +11,13 @@ from numpy.typing import NDArray
 
 from mobility_imu.faults import Fault, half_of, with_half
 from mobility_imu.frames import FloatArray
+from mobility_imu.health import samples_lost
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
 from mobility_imu.walker.saturation import FARTHEST, bridged_rates
 from mobility_imu.walker.stillness import StillnessSettings, stillness_signals
 
-__all__ = ["BRIDGED_S", "BROKEN", "FRAME", "UNKNOWN", "placed", "with_reach"]
+__all__ = ["BRIDGED_S", "BROKEN", "FRAME", "UNKNOWN", "placed", "samples_unknown", "with_reach"]
 
 FRAME = "frame"
 BROKEN = frozenset({"frozen", "dead axis"})
@@ -108,3 +110,26 @@ def placed(flags: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
     count : samples of the recording
     """
     return np.asarray(np.r_[np.zeros(count - len(flags), np.bool_), flags])
+
+
+def samples_unknown(faults: Iterable[Fault], count: int) -> NDArray[np.bool_]:
+    """Samples that tell nothing of other faults.
+
+    A half or an axis says nothing there, the readings were filled in, or more is cut off at the end
+    of a range than can be undone.
+
+    Parameters
+    ----------
+    faults : Fault, as :func:`with_reach` gives them
+    count : samples of the recording
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    faults = list(faults)
+    unknown = samples_lost(faults, count)
+    for fault in faults:
+        if fault.code == "gap" or (fault.code == "range" and fault.repair is None):
+            unknown |= fault.flags
+    return unknown
