@@ -11,21 +11,15 @@ from mobility_imu.faults import Fault
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.reach import BRIDGED_S, FRAME, UNKNOWN, placed
+from mobility_imu.walker.reach import BRIDGED_S, FRAME, MOSTLY, SHORTEST_MOVE_S, UNKNOWN, placed
 
-__all__ = ["SHORTEST_MOVE_S", "filled_samples", "gaps_in_moves", "is_of_a_gap", "without_samples"]
+__all__ = ["filled_samples", "gaps_in_moves", "is_of_a_gap", "without_samples"]
 
 STRAIGHT = 1e-9
 """Readings are on a line if they are so near to it, as a fraction of the largest: a sum's rounding,
 far below the last digit that any sensor gives."""
 FEWEST_ON_LINE = 3
 """Samples on one line, one after the other, of all axes, that no sensor gives by itself."""
-SHORTEST_MOVE_S = 3 * BRIDGED_S
-"""A gap at rest in which no step can hide is shorter: of 450 moves of 16 real walks the shortest
-that goes on by 0.1 m takes 0.98 s."""
-MOSTLY = 0.5
-"""A fault is one of a gap if of each of its runs more than this part is filled: a level line goes
-on where the readings beside it are the same. Our choice, not swept."""
 
 
 def filled_samples(recording: Recording) -> NDArray[np.bool_]:
@@ -49,7 +43,9 @@ def filled_samples(recording: Recording) -> NDArray[np.bool_]:
 
 
 def is_of_a_gap(fault: Fault, filled: NDArray[np.bool_]) -> bool:
-    """Whether what a fault touches was filled: then the gap is what is wrong.
+    """Whether what a fault touches was filled, most of each run: then the gap is what is wrong.
+
+    A level line goes on where the readings beside it are the same.
 
     Parameters
     ----------

@@ -34,9 +34,8 @@ from mobility_imu.walker import faults as walker_faults
 from mobility_imu.walker.fault_checks import faults_of_readings
 from mobility_imu.walker.faults import not_told
 from mobility_imu.walker.follow import navigate_recording
-from mobility_imu.walker.gaps import SHORTEST_MOVE_S
 from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
-from mobility_imu.walker.reach import BRIDGED_S, with_reach
+from mobility_imu.walker.reach import BRIDGED_S, SHORTEST_MOVE_S, with_reach
 from mobility_imu.walker.rest_checks import HalvesFit, Readings
 
 
@@ -396,6 +395,54 @@ def test_an_axis_that_dies_in_a_walk_is_the_one_fault_and_lasts(half, axis):
     late = len(wrong) - len(valid)
     last = np.flatnonzero(valid)[-1]  # the smoother carries an error back to the rest before
     assert valid[:last].all() and begin - late - 300 < last <= begin - late + 1
+
+
+def ended_in_a_move():
+    """The walk's recording cut in the middle of a move."""
+    moves = runs_of(~path().stationary)
+    move = moves[len(moves) // 2]
+    recording = walked().walk.recording
+    end = (move.start + move.stop) // 2 + len(recording) - len(path())
+    return recording.trim(float(recording.time_s[0]), float(recording.time_s[end]))
+
+
+@pytest.mark.parametrize(("half", "axis"), [("acc", slice(None)), ("gyr", slice(None)), ("gyr", 1)])
+def test_a_loss_at_the_end_in_a_move_has_no_line_to_bridge_it(half, axis):
+    """Shorter than what is bridged, but a line would repeat the reading that is lost itself."""
+    walk, short = walked(), ended_in_a_move()
+    wrong = halted(short, half, len(short) - 28, 28, axis)
+    told = find_faults(wrong, walk.tape, walk.mount)
+    (found,) = [f for f in told if f.code in ("frozen", "dead axis")]
+    assert found.repair is None and not found.costs and "is not known" in found.sentence
+    valid = valid_samples(estimate_trajectory(wrong, walk.tape, walk.mount), told)
+    assert not valid[-28:].any() and valid[:100].all()
+
+
+@pytest.mark.parametrize("half", ["acc", "gyr"])
+def test_a_loss_at_the_end_of_a_rest_is_bridged(half):
+    """And so is one of the same length in a move that goes on after it."""
+    walk, whole = walked(), walked().walk.recording
+    short = ended_in_a_move()
+    for wrong in (
+        halted(whole, half, len(whole) - 28, 28),
+        halted(whole, half, len(short) - 28, 28),
+    ):
+        told = find_faults(wrong, walk.tape, walk.mount)
+        (found,) = [f for f in told if f.code == "frozen"]
+        assert found.repair is not None and found.costs
+
+
+@pytest.mark.parametrize("which", [0, 6, 12])
+def test_a_step_in_which_both_halves_repeat_themselves_is_not_known(which):
+    """Each half shows no motion of the other: a gap that was filled with the last reading."""
+    walk, (begin, end) = walked(), moves_of_clean_walk()[which]
+    first, count = round(100 * begin), round(100 * (end - begin))
+    wrong = halted(halted(walk.walk.recording, "acc", first, count), "gyr", first, count)
+    told = find_faults(wrong, walk.tape, walk.mount)
+    assert {f.sensor for f in told if f.code == "frozen"} == {"frame_acc", "frame_gyr"}
+    assert all(f.repair is None for f in told if f.code == "frozen")
+    moved = estimate_trajectory(wrong, walk.tape, walk.mount)
+    assert not valid_samples(moved, told)[moved.time_s > end].any()
 
 
 def test_an_axis_that_dies_in_the_tilts_is_told():
