@@ -401,7 +401,7 @@ def without_offset(recording: Recording, sensor: str, offset_radps: FloatArray) 
     ----------
     recording : Recording
     sensor : name
-    offset_radps : (3,) array, rad/s, in the sensor's axes
+    offset_radps : (3,) array, or (n, 3) of an offset that changes, rad/s, in the sensor's axes
 
     Returns
     -------

@@ -86,6 +86,32 @@ def test_an_axis_that_dies_in_between_is_told_for_its_own_samples(device, stretc
 
 
 @pytest.mark.parametrize("device", DEVICES)
+@pytest.mark.parametrize("place", ["from half on", "at first", "in between"])
+def test_an_axis_is_bridged_only_with_readings_on_both_sides(device, place):
+    """A line from its last reading on repeats that reading, which is the fault itself."""
+    recording = clean(device, 1)
+    half_time = len(recording) // 2
+    start, stop = {
+        "from half on": (half_time, None),
+        "at first": (0, half_time),
+        "in between": (half_time, half_time + 300),
+    }[place]
+    for sensor in sensors(device):
+        for half in ("acc", "gyr"):
+
+            def held(values):
+                values[start:stop, 1] = values[start, 1]
+                return values
+
+            (found,) = of_axis(examine(changed(recording, sensor, **{half: held})))
+            assert (found.repair is not None) == (place == "in between")
+
+
+def of_axis(found):
+    return [fault for fault in found if fault.code == "dead axis"]
+
+
+@pytest.mark.parametrize("device", DEVICES)
 @pytest.mark.parametrize("step", [0.01, 0.05, 0.2])
 def test_an_axis_with_coarse_steps_is_not_stuck(device, step):
     """Whatever its noise is against its steps: at rest it says one number for seconds."""

@@ -227,12 +227,16 @@ def check_text(found: GeometryCheck, told: Collection[str] = ()) -> str:
     """
     import numpy as np
 
+    def known(value: float, text: str) -> str:
+        return "not found" if np.isnan(value) else text
+
+    residual = float(np.rad2deg(found.residual_radps))
     lines = [
         "wheels' yaw rate against the frame's:",
-        f"residual                    {np.rad2deg(found.residual_radps):.2f} deg/s",
-        f"correlation                 {found.correlation:.4f}",
-        f"gain                        {found.gain:.3f}",
-        f"lag of the wheels           {found.lag_s:.3f} s",
+        f"residual                    {known(residual, f'{residual:.2f} deg/s')}",
+        f"correlation                 {known(found.correlation, f'{found.correlation:.4f}')}",
+        f"gain                        {known(found.gain, f'{found.gain:.3f}')}",
+        f"lag of the wheels           {known(found.lag_s, f'{found.lag_s:.3f} s')}",
     ]
     if found.judged:
         camber, camber_sd = np.rad2deg([found.camber_rad, found.camber_sd_rad])

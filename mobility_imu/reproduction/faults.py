@@ -30,7 +30,7 @@ def fault_counts(device: str) -> pd.DataFrame:
         ``cases``; ``matter``: those that move the result by more than twice its stated standard
         deviation, or that nothing reads; of these ``told`` (at all) and ``right`` (by the right
         name); ``priced``, those with a stated cost, and of these ``within_two``, whose cost is
-        right within a factor of two; ``unpriced``, told without a cost
+        right within a factor of two; ``unpriced``, told, with no cost recorded under a right name
     """
     import pandas as pd
 

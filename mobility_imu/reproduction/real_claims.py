@@ -214,7 +214,7 @@ def limited(record: str, what: str, unit: str, sides: Sides, n: int, limit: floa
         reference=limit,
         reference_from="a limit of ours, chosen when first results were known",
         bound="below",
-        tolerance_reason="a larger error would be of no use to a person who measures a chair",
+        tolerance_reason="with a larger error the result would be of no use",
         why="the simulation promised too much",
     )
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 WORKS: tuple[Work, ...] = get_args(Work)
 NO_RECORDING = (
-    "No recording of the three studies was available to us, so no published result was reproduced "
+    "No recording of a study was available to us, so no published result was reproduced "
     "from a recording. The table counts separately what we recomputed from printed numbers, "
     "computed by geometry alone, on the public sample of WheelMove-ID, on recordings of other "
     "people or on simulated data. The scooter's authors offer their data on request; we have asked "
@@ -77,9 +77,10 @@ WORK_VERDICTS = (
         "walker",
         "replication",
         "partial",
-        "The calibration works in simulation, and 58 of 60 printed averages are right. To check "
-        "the distances and closing errors, one needs the recordings. They are not published. The "
-        "closing errors contain a lever arm, so a reproduction needs another target.",
+        "The calibration works in simulation, and 58 of 60 printed averages are right to the last "
+        "digit (59 within one unit). To check the distances and closing errors, one needs the "
+        "recordings. They are not published. The closing errors contain a lever arm, so a "
+        "reproduction needs another target.",
     ),
 )
 """One verdict for each work; the scorecard's page defines the scale."""

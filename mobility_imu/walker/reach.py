@@ -88,10 +88,16 @@ def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings)
     for run in runs_of(fault.flags):
         seconds = (run.stop - run.start) / rate_hz
         at_an_end = run.start == 0 or run.stop == len(recording)
+        bridged = seconds <= BRIDGED_S and not at_an_end and fault.repair is not None
         both = seconds >= SHORTEST_MOVE_S and same[run].mean() > MOSTLY
-        if both or ((seconds > BRIDGED_S or at_an_end) and moves[run].any()):
+        if both or (moves[run].any() and not bridged):
             return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
-    return fault
+    return replace(fault, repair=fault.repair or _as_it_is)
+
+
+def _as_it_is(recording: Recording) -> Recording:
+    """Recording whose axis repeats its reading at one end of it, at rest: nothing is lost."""
+    return recording
 
 
 def _peaks_back(recording: Recording, half: str, flags: NDArray[np.bool_]) -> Recording:

@@ -38,6 +38,7 @@ from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.rest_faults import changes
 from mobility_imu.wheelchair.saturation import (
     saturated_gyroscopes,
     saturation_warnings,
@@ -87,8 +88,8 @@ UNJUDGED_BEYOND = MappingProxyType(
 )
 """The same of faults beyond a size, in s, as a fraction and in deg/s. Turns begin within half a
 second: a lag of a tenth of that changes gains by half a percent. A constant is fitted with the
-track, so that an offset moves neither track nor radii; beyond what a gyroscope can have, a rest is
-taken for a turn."""
+track, so that an offset moves neither track nor radii unless it changes within the drive; beyond
+what a gyroscope can have, a rest is taken for a turn."""
 ALIKE = 0.95
 """Correlation from which on wheels and frame go together: their factor is the geometry's."""
 NO_VERDICT_WHY = "a sensor failed, so there is no verdict on track, radii and camber"
@@ -250,6 +251,8 @@ def _spoils(fault: Fault, turned_rad: float, together: bool) -> bool:
         return False
     if fault.code == "at odds" and together:
         return False  # the geometry that was given is wrong, which is what is asked
+    if changes(fault):
+        return True  # one constant is fitted, which is wrong in a part of the drive
     if fault.code in UNJUDGED_BEYOND:
         return fault.size > UNJUDGED_BEYOND[fault.code]
     return fault.code in UNJUDGED and "_acc" not in fault.sensor

@@ -100,8 +100,10 @@ class Witnesses(Result):
     given : offsets of other recordings
     failed : sensor to (n,) bool array, gyroscopes that fail
     settings : VelocitySettings
-    mute : sensors whose gyroscope fails too long to judge others by
+    mute : sensors that fail too long to judge others by: their gyroscope does, or an axis of it, or
+        the accelerometer by which a wheel's gyroscope knows the yaw rate
     touched : (n,) bool array, samples that faults of one sensor touch; none if None
+    blind : sensors whose accelerometer fails too long to show where up is
     """
 
     recording: Recording
@@ -112,6 +114,7 @@ class Witnesses(Result):
     settings: VelocitySettings
     mute: frozenset[str] = frozenset()
     touched: NDArray[np.bool_] | None = None
+    blind: frozenset[str] = frozenset()
 
     @cached_property
     def spoiled(self) -> NDArray[np.bool_]:

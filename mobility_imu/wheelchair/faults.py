@@ -29,7 +29,7 @@ from mobility_imu.wheelchair import (
     wheel_faults,
 )
 from mobility_imu.wheelchair.contradictions import Witnesses, lone_jumps
-from mobility_imu.wheelchair.dead_axis import without_axis
+from mobility_imu.wheelchair.dead_axis import with_axis_repair
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
 from mobility_imu.wheelchair.recovery import (
@@ -64,7 +64,7 @@ SHORTEST_S = 5.0
 SLOWEST_HZ = 10.0
 """A wheel at 4 m/s turns twice in a second: slower recordings do not show its turning."""
 MUTE_PART = 0.3
-"""A gyroscope that fails for more of the time is not used to judge others. Set by hand on simulated
+"""A sensor that fails for more of the time is not used to judge others. Set by hand on simulated
 courts that the study of faults does not use."""
 
 Look = Callable[[Witnesses], Iterator[Fault]]
@@ -228,8 +228,9 @@ def _witnesses(
     """Witnesses of a recording in which what each sensor shows by itself is mended."""
     own, failed = list(own), _failed(recording, geometry, mount)
     mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
-    dead = [f for f in own if f.code == "dead axis" and f.flags.mean() > MUTE_PART]
-    mute |= {_parts(fault.sensor)[0] for fault in dead}
+    blind = frozenset(_long_lost(own, "acc", "dead axis", "frozen"))
+    # The frame knows its yaw rate without gravity; where gyroscopes are frozen is known better.
+    mute |= _long_lost(own, "gyr", "dead axis") | (blind - {"frame"})
     touched = np.any([f.flags for f in own if not f.flags.all()] + [*failed.values()], axis=0)
     return Witnesses(
         all_repaired(own, recording),
@@ -240,7 +241,14 @@ def _witnesses(
         settings,
         frozenset(mute),
         touched if np.ndim(touched) else None,
+        blind,
     )
+
+
+def _long_lost(own: Iterable[Fault], half: str, *codes: str) -> set[str]:
+    """Sensors with a half that has a fault of these kinds for too long."""
+    lost = [f for f in own if f.code in codes and f.flags.mean() > MUTE_PART]
+    return {name for name, which in (_parts(fault.sensor) for fault in lost) if which == half}
 
 
 def _slow_clock(recording: Recording) -> Fault:
@@ -315,7 +323,7 @@ def _of_one_sensor(
         elif half != "gyr" or sensor not in CHAIR or fault.code not in REPLACED:
             found.append(fault)
         elif fault.code == "dead axis":
-            found.append(_dead(one, fault, sensor))
+            found.append(with_axis_repair(fault, sensor, recording, geometry, mount))
         elif fault.code == "range":
             found.append(_replaced(one, fault, sensor, fault.flags))
         elif sensor in failed:  # other repetitions are exact readings of a steady motion
@@ -337,24 +345,6 @@ def _of_one_sensor(
 
 REPLACED = frozenset({"frozen", "range", "dead axis"})
 """Codes of faults of a chair's gyroscope that the others undo better than its own readings."""
-
-
-def _dead(one: _Own, fault: Fault, sensor: str) -> Fault:
-    """A dead axis with its repair; on a wheel, it takes the frame's gyroscope."""
-    recording, mount = one.recording, one.mount
-    needed = ("frame",) if sensor == "frame" else ("frame", sensor)
-    mounted = {
-        "frame": True,
-        "left_wheel": mount.rotation_left_imu_to_wheel is not None,
-        "right_wheel": mount.rotation_right_imu_to_wheel is not None,
-    }
-    there = all(
-        mounted[n] and n in recording.sensors and recording.sensors[n].gyr_radps is not None
-        for n in needed
-    )
-    axis = "xyz".index(fault.sensor[-1])
-    repair = partial(without_axis, sensor=sensor, axis=axis, geometry=one.geometry, mount=mount)
-    return replace(fault, repair=repair if there else None)
 
 
 def _jumps(recording: Recording, name: str, gyr_radps: FloatArray, far: NDArray[np.bool_]) -> Fault:
@@ -408,12 +398,8 @@ def _whole_sensors(one: _Own, found: Sequence[Fault]) -> Iterator[Fault]:
             yield fault
         elif half == "gyr":
             assert acc is not None
-            repair = partial(_in_turn, faults=(acc, fault))
+            repair = partial(all_repaired, (acc, fault))
             yield _stand_in(one, replace(fault, sensor=sensor, repair=repair), sensor)
-
-
-def _in_turn(recording: Recording, faults: Sequence[Fault]) -> Recording:
-    return all_repaired(faults, recording)
 
 
 def _replaced(one: _Own, fault: Fault, sensor: str, flags: NDArray[np.bool_]) -> Fault:
@@ -504,7 +490,8 @@ EXPLAINS = frozenset(
     }
 )
 """Codes of faults for which wheels and frame may disagree throughout. Where they still do once the
-others are mended, the look :func:`~mobility_imu.wheelchair.frame_faults.at_odds` tells it."""
+others are mended, the look :func:`~mobility_imu.wheelchair.frame_faults.at_odds` tells it. Those of
+an accelerometer alone explain nothing: the yaw rates that are compared are of gyroscopes."""
 
 
 def ranges_told(recording: Recording, faults: Iterable[Fault]) -> set[str]:
@@ -564,7 +551,7 @@ def not_told(
             unreplaced(failed, names),
         )
     )
-    if any(fault.code in EXPLAINS for fault in faults):
+    if any(fault.code in EXPLAINS and _parts(fault.sensor)[1] != "acc" for fault in faults):
         known |= set(
             at_odds(
                 drive.slip,

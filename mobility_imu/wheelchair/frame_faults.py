@@ -71,9 +71,9 @@ def taken_for_a_wheel(w: Witnesses) -> Iterator[Fault]:
         for name, force in w.forces.items()
     }
     spins = np.linalg.norm(w.rates["frame"], axis=1) > SPINNING_RADPS
-    if steady["frame"] > GOES_ROUND or spins.sum() < rate:
+    if "frame" in w.blind or steady["frame"] > GOES_ROUND or spins.sum() < rate:
         return
-    others = [n for n in steady if n != "frame" and steady[n] > STEADY]
+    others = [n for n in steady if n != "frame" and n not in w.blind and steady[n] > STEADY]
     whole = np.ones(len(w.recording), np.bool_)
     if len(others) != 1:
         yield fault_of(
@@ -99,7 +99,7 @@ def tilted(w: Witnesses) -> Iterator[Fault]:
     ------
     Fault
     """
-    found = tilt_of(w)
+    found = None if "frame" in w.blind else tilt_of(w)
     if found is None or found[1] < GOES_ROUND:
         return
     up = found[0]
@@ -227,7 +227,7 @@ def wrong_scale_or_offset(w: Witnesses) -> Iterator[Fault]:
         and abs(offset) > max(LEAST_OFFSET_RADPS, SURE * offset_sd)
     ):
         up = w.mount.rotation_frame_imu_to_chair[2]
-        yield offset_fault(w.recording, "frame", up, offset, offset_sd, _wheels(w))
+        yield offset_fault(w, "frame", up, offset, offset_sd, _wheels(w))
 
 
 def _wheels(w: Witnesses) -> str:

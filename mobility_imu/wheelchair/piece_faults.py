@@ -46,6 +46,7 @@ LEAST_NOISE_RADPS = float(np.deg2rad(15.0))
 LEAST_OF_YAW = 0.12
 """Part of a piece's yaw rate: more than scale factors, leaning and camber explain."""
 FEWEST_PIECES = 6
+"""Pieces without another fault, from which on what is usual is known. Set by hand, as above."""
 LEAST_APART = 2.0
 """A sensor is at fault whose differences from the two others are so many times theirs."""
 ALIKE = 0.95

@@ -12,21 +12,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mobility_imu.faults import Fault, with_half, without_offset
+from mobility_imu.faults import Fault, without_offset
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.offsets import LARGE_OFFSET_RADPS, LARGE_SD_RADPS, common_rest, rest_blocks
 from mobility_imu.quality import LARGEST_OFFSET_RADPS
-from mobility_imu.recording import Recording
 from mobility_imu.wheelchair.contradictions import Witnesses
 from mobility_imu.wheelchair.recovery import tied_rate
 
-__all__ = ["changing_offsets", "large_offsets"]
+__all__ = ["FEWEST_BLOCKS", "changes", "changing_offsets", "large_offsets", "rests"]
 
 FEWEST_BLOCKS = 4
 """Half seconds of rest on each side of a change: a motion that passes for a rest is shorter."""
+LITTLE = 0.5
+"""A sensor that reads less than this part of what another one reads does not turn as that one does:
+its axes lie otherwise, but the size of a steady turn is the same. Our choice, not swept."""
 SURE = 4.0
-"""Times the scatter of the half seconds, from which on a change is told."""
+"""Times the scatter of the half seconds, from which on a change is told. Set by hand, like the two
+parts that follow, and not swept; none by the courts of the study of faults."""
 LONG_PART = 0.5
 """Part of a drive over which rests have to lie to show a drift."""
 WITNESS_PART = 0.5
@@ -34,7 +37,10 @@ WITNESS_PART = 0.5
 
 
 def large_offsets(w: Witnesses) -> Iterator[Fault]:
-    """A gyroscope that reads more at rest than any sound one, while the two others read little.
+    """Gyroscopes that read more at rest than any sound one, while another one reads little.
+
+    A steady turn, which may pass for a rest, is in the readings of all three; in a wheel that rolls
+    gravity goes round.
 
     Parameters
     ----------
@@ -44,29 +50,39 @@ def large_offsets(w: Witnesses) -> Iterator[Fault]:
     ------
     Fault
     """
-    rests = {
-        name: blocks for name, (_, blocks) in _rests(w).items() if len(blocks) >= FEWEST_BLOCKS
-    }
-    middle = {name: np.median(blocks, axis=0) for name, blocks in rests.items()}
+    shown = {name: blocks for name, (_, blocks) in rests(w).items() if len(blocks) >= FEWEST_BLOCKS}
+    middle = {name: np.median(blocks, axis=0) for name, blocks in shown.items()}
     large = {n: m for n, m in middle.items() if np.abs(m).max() > LARGEST_OFFSET_RADPS}
-    if len(middle) < 3 or len(large) != 1:
-        return  # with one wheel, or several that turn, the chair may turn steadily
+    sizes = {name: float(np.linalg.norm(offset)) for name, offset in middle.items()}
+    if len(middle) < 3 or not large:
+        return
+    if min(sizes.values()) > LITTLE * min(sizes[name] for name in large):
+        return  # all three may read the same steady turn
     for name, offset in large.items():
-        size = float(np.rad2deg(np.linalg.norm(offset)))
-        shown = ", ".join(
+        size = float(np.rad2deg(sizes[name]))
+        by_axis = ", ".join(
             f"{axis} {value:.1f}" for axis, value in zip("xyz", np.rad2deg(offset), strict=True)
         )
         yield fault_of(
             w.recording, "offset", f"{name}_gyr", np.ones(len(w.recording), np.bool_),
-            f"reads {size:.1f} deg/s while the chair stands ({shown} deg/s), more than any sound "
+            f"reads {size:.1f} deg/s while the chair stands ({by_axis} deg/s), more than any sound "
             "sensor's offset, so that it is not taken off; check or change the sensor",
             size=size, unit="deg/s",
             repair=partial(without_offset, sensor=name, offset_radps=offset),
         )  # fmt: skip
 
 
-def _rests(w: Witnesses) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """Times, in samples, and means of the half seconds in which each gyroscope rests."""
+def rests(w: Witnesses) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Half seconds in which each gyroscope rests, whatever it reads then.
+
+    Parameters
+    ----------
+    w : Witnesses
+
+    Returns
+    -------
+    dict from sensor to their times, in samples, (m,), and means, (m, 3), rad/s
+    """
     rest = common_rest(w.recording, w.names, skip=w.failed)
     found: dict[str, tuple[FloatArray, FloatArray]] = {}
     for name in w.names:
@@ -97,22 +113,19 @@ def _change_of(times: FloatArray, blocks: FloatArray, count: int) -> _Change | N
     """Change of an offset that its rests surely show."""
     if len(blocks) < 2 * FEWEST_BLOCKS:
         return None
-    best: _Change | None = None
+    whole = float(times[0]), float(times[-1])
+    found = []
     for k in range(FEWEST_BLOCKS, len(blocks) - FEWEST_BLOCKS + 1):
         ends = np.median(blocks[:k], axis=0), np.median(blocks[k:], axis=0)
         left = np.vstack([blocks[:k] - ends[0], blocks[k:] - ends[1]])
-        scatter = _scatter(left)
-        if best is None or scatter < best.scatter_radps:
-            step = float(times[k - 1]), float(times[k])
-            best = _Change(scatter, step, ends, (float(times[0]), float(times[-1])))
+        step = float(times[k - 1]), float(times[k])
+        found.append(_Change(_scatter(left), step, ends, whole))
     if np.ptp(times) > LONG_PART * count:
         design = np.column_stack([times, np.ones(len(times))])
         line = np.linalg.lstsq(design, blocks, rcond=None)[0]
-        scatter, ends = _scatter(blocks - design @ line), design[[0, -1]] @ line
-        if best is None or scatter < best.scatter_radps:
-            best = _Change(scatter, None, (ends[0], ends[1]), (float(times[0]), float(times[-1])))
-    if best is None:
-        return None
+        first, last = design[[0, -1]] @ line
+        found.append(_Change(_scatter(blocks - design @ line), None, (first, last), whole))
+    best = min(found, key=lambda change: change.scatter_radps)
     size = float(np.linalg.norm(best.by_radps))
     return best if size > max(LARGE_OFFSET_RADPS, SURE * best.scatter_radps) else None
 
@@ -138,7 +151,7 @@ def changing_offsets(w: Witnesses) -> Iterator[Fault]:
     count = len(w.recording)
     changes = {
         name: change
-        for name, (times, blocks) in _rests(w).items()
+        for name, (times, blocks) in rests(w).items()
         if (change := _change_of(times, blocks, count)) is not None
     }
     if len(changes) != 1:
@@ -169,8 +182,23 @@ def changing_offsets(w: Witnesses) -> Iterator[Fault]:
             w.recording, "offset", f"{name}_gyr", flags,
             f"{what}: one constant is taken off, which is wrong there; leave these times out, or "
             "record again", size=size, unit="deg/s",
-            repair=partial(_without_series, sensor=name, series_radps=offset - taken),
+            repair=partial(without_offset, sensor=name, offset_radps=offset - taken),
         )  # fmt: skip
+
+
+def changes(fault: Fault) -> bool:
+    """Whether a fault is an offset that changes within the drive.
+
+    Parameters
+    ----------
+    fault : Fault
+
+    Returns
+    -------
+    bool
+    """
+    taken = fault.repair.keywords if isinstance(fault.repair, partial) else {}
+    return fault.code == "offset" and np.ndim(taken.get("offset_radps", 0.0)) > 1
 
 
 def _time_of(w: Witnesses, name: str, change: _Change, taken: FloatArray) -> int:
@@ -191,7 +219,3 @@ def _time_of(w: Witnesses, name: str, change: _Change, taken: FloatArray) -> int
     apart = apart - float(main[2] @ ((change.ends[0] + change.ends[1]) / 2 - taken))
     gained = np.cumsum(np.clip(apart * np.sign(step), -abs(step), abs(step)))
     return first + int(np.argmin(gained)) + 1 if len(gained) else middle
-
-
-def _without_series(recording: Recording, sensor: str, series_radps: FloatArray) -> Recording:
-    return with_half(recording, sensor, "gyr", recording.gyroscope(sensor) - series_radps)

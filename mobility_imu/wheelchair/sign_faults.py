@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from mobility_imu.faults import Fault, Repair, multiplied
+from mobility_imu.faults import Fault, all_repaired, multiplied
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
@@ -129,20 +129,14 @@ def told_once(faults: Sequence[Fault]) -> list[Fault]:
         signs = [f for f in faults if f.code == "reversed" and f.sensor in halves]
         if fault.code == "turned" and signs:
             dropped += signs
-            own = [f.repair for f in faults if f is fault or any(f is one for one in signs)]
+            own = tuple(f for f in faults if f is fault or any(f is one for one in signs))
             fault = replace(
                 fault,
                 sentence=f"{fault.sentence.partition(': ')[0]}: {name} has its axes in another "
                 "order or with other signs than in the static and the straight-line trial, by its "
                 "spin and by gravity; check the export's axes, or record all trials with one "
                 "export",
-                repair=partial(_in_turn, repairs=tuple(own)),
+                repair=partial(all_repaired, own),
             )
         told.append(fault)
     return [fault for fault in told if not any(fault is one for one in dropped)]
-
-
-def _in_turn(recording: Recording, repairs: Sequence[Repair | None]) -> Recording:
-    for repair in repairs:
-        recording = recording if repair is None else repair(recording)
-    return recording

@@ -28,6 +28,7 @@ from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import SIDES, Side
 from mobility_imu.wheelchair.lags import Lag, lag_between
 from mobility_imu.wheelchair.recovery import tied_rate
+from mobility_imu.wheelchair.rest_faults import FEWEST_BLOCKS, rests
 from mobility_imu.wheelchair.sign_faults import APART, GO_TOGETHER, correlation_of, reads_gravity
 from mobility_imu.wheelchair.turning import yaw_rate_of_wheel
 
@@ -476,7 +477,7 @@ def wrong_offsets(w: Witnesses) -> Iterator[Fault]:
     side = min(misfit, key=lambda one: misfit[one])
     axle, sd_radps = w.mount.rotation_imu_to_wheel(side)[2], sd / radius.of(side)
     name = f"{side}_wheel"
-    yield offset_fault(w.recording, name, axle, by_side[side], sd_radps, "the others")
+    yield offset_fault(w, name, axle, by_side[side], sd_radps, "the others")
 
 
 def _apart(w: Witnesses) -> tuple[float, float] | None:
@@ -505,18 +506,18 @@ def _apart(w: Witnesses) -> tuple[float, float] | None:
 
 
 def offset_fault(
-    recording: Recording,
+    w: Witnesses,
     name: str,
     axis: FloatArray,
     offset_radps: float,
     sd_radps: float,
     by: str,
 ) -> Fault:
-    """Fault of a gyroscope that reads a constant too much or too little; no rest shows it.
+    """Fault of a gyroscope that reads a constant too much or too little, which is not taken off.
 
     Parameters
     ----------
-    recording : Recording
+    w : Witnesses
     name : sensor
     axis : (3,) unit array, in the sensor's axes: a wheel's axle, positive forward, or up
     offset_radps, sd_radps : rad/s, along the axis, and its standard deviation
@@ -530,11 +531,26 @@ def offset_fault(
     way = "too much" if offset_radps > 0 else "too little"
     about = "upward (turns to the left)" if name == "frame" else "forward about its axle"
     return fault_of(
-        recording, "offset", f"{name}_gyr", np.ones(len(recording), np.bool_),
+        w.recording, "offset", f"{name}_gyr", np.ones(len(w.recording), np.bool_),
         f"reads {size:.2f} ± {np.rad2deg(sd_radps):.2f} deg/s {way} {about}, by {by}, "
-        "and no rest of the drive shows it; let the chair stand for some seconds at the beginning",
+        f"{_rest_shows(w, name)}",
         size=size, unit="deg/s", repair=_taken_off(name, offset_radps * axis),
     )  # fmt: skip
+
+
+def _rest_shows(w: Witnesses, name: str) -> str:
+    """What the rests of a drive say of such an offset, and what to do."""
+    if name in w.own_offsets:
+        return "beyond what its rests show; check the sensor, or record again"
+    if len(rests(w).get(name, ((), ()))[1]) < FEWEST_BLOCKS:
+        return (
+            "and no rest of the drive shows it; let the chair stand for some seconds at the "
+            "beginning"
+        )
+    return (
+        "and its rests show more than any sound sensor's offset, so that it is not taken off; "
+        "check or change the sensor"
+    )
 
 
 def _taken_off(name: str, offset_radps: FloatArray) -> Repair:

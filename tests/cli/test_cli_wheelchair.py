@@ -1,11 +1,16 @@
 """Wheelchair on the command line: from raw trials to velocities, tasks and a chronogram."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from command_lines import COURT, velocity, velocity_csv
+
+from mobility_imu.reproduction import recorded
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_from_raw_trial_to_chronogram(tmp_path, works):
@@ -101,6 +106,16 @@ def test_lags_of_clocks_are_not_in_the_standard_deviations(tmp_path, works):
             into.append(((found[name] - truth[name]).abs() < 2 * found[sd]).mean())
     assert (round(100 * min(yaws)), round(100 * max(yaws))) == (62, 66)
     assert (round(100 * min(speeds)), round(100 * max(speeds))) == (80, 93)
+
+
+def test_the_page_states_how_many_speeds_of_real_chairs_are_within_twice_their_deviation():
+    inside = {
+        name: round(100 * recorded.numbers(name)["summary"]["speed_inside"])
+        for name in ("real_chair_mocap", "dropped_chairs")
+    }
+    page = (ROOT / "book" / "how_to_use.md").read_text()
+    assert inside == {"real_chair_mocap": 98, "dropped_chairs": 89}
+    assert "98 % of the speeds are in the trials" in page and "89 % in those" in page
 
 
 def test_a_fault_that_was_found_is_named_where_the_estimate_refuses(tmp_path, fails):

@@ -434,3 +434,17 @@ def test_what_one_sensor_shows_of_its_signs_stays_where_two_cannot_be_asked(how)
     assert ("reversed", "lever_gyr") in told
     sound = [(f.code, f.sensor) for f in find_faults(how(ride()), SUZUKI_ET4D)]
     assert ("reversed", "lever_gyr") not in sound
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_what_an_axis_costs_that_never_reads_again_is_not_known(axis):
+    """It moved the steering by tens of degrees and was priced at a few."""
+    recording = ride()
+    half_time, imu = len(recording) // 2, recording.sensor("lever")
+    for stop, known in ((None, False), (half_time + 300, True)):
+        acc = np.array(imu.acc_mps2)
+        acc[half_time:stop, axis] = acc[half_time, axis]
+        sensors = {**recording.sensors, "lever": Imu(acc, imu.gyr_radps)}
+        found = find_faults(Recording(recording.time_s, sensors), SUZUKI_ET4D, mount())
+        (dead,) = [fault for fault in found if fault.code == "dead axis"]
+        assert dead.sensor == f"lever_acc_{'xyz'[axis]}" and bool(dead.costs) == known

@@ -398,3 +398,17 @@ def test_turns_to_one_side_only_give_no_factor_of_the_other():
     text = check_text(check_geometry(drive.recording, SAMPLE_CHAIR, mount))
     assert "nan" not in text and "right turns  too few of them" in text
     assert "times what is given" in text
+
+
+def test_what_a_drive_does_not_show_is_printed_as_not_found():
+    """Wheels and frame do not go together in a drive without a turn, and at rest nothing moves."""
+    parts = trials(SAMPLE_CHAIR, 1)
+    mount = calibrated(*parts).mount
+    for drive, lines in ((parts[1], ("lag of the wheels",)), (parts[0], ("correlation", "lag"))):
+        found = check_geometry(drive.recording, SAMPLE_CHAIR, mount)
+        assert np.isnan(found.lag_s)
+        text = check_text(found)
+        assert "nan" not in text
+        for name in lines:
+            (line,) = [one for one in text.splitlines() if one.startswith(name)]
+            assert line.endswith(" not found")

@@ -279,6 +279,7 @@ def test_sensors_that_say_nothing_end_no_look(names, half):
         sensors[name] = silent(sensors[name], half)
     trial = Recording(drive().trial.time_s, sensors, source="silent")
     found = sensor_faults(trial, geometry, cal.mount, offsets=cal.offsets)
+    assert [(f.code, f.sensor) for f in found] == [("frozen", f"{name}_{half}") for name in names]
     drives = estimate_velocity(trial, geometry, cal.mount, offsets=cal.offsets)
     assert len(not_told(drives, trial, geometry, cal.mount, found)) <= len(drives.warnings)
 

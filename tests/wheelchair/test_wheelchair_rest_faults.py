@@ -1,13 +1,18 @@
 """Offsets that a chair's rests show and a constant does not undo."""
 
+from dataclasses import replace
+from itertools import combinations
+
 import numpy as np
 import pytest
 from faulty import SENSORS, calibration, drive, look, of_code
 
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation import faults as inject
-from mobility_imu.wheelchair import estimate_velocity
+from mobility_imu.wheelchair import check_geometry, estimate_velocity
+from mobility_imu.wheelchair.check import NO_VERDICT_WHY
 from mobility_imu.wheelchair.faults import with_valid
+from mobility_imu.wheelchair.rest_faults import changes
 
 
 def changed(sensor, series_degps):
@@ -60,6 +65,27 @@ def test_a_drift_is_told_as_one():
     assert found.flags.any() and not found.flags.all()
 
 
+CHANGES = {
+    "a step": lambda sensor: stepped(sensor, 3.0, 0.5)[0],
+    "a drift": lambda sensor: changed(sensor, np.linspace(0, 4.0, len(drive().trial))),
+}
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+@pytest.mark.parametrize("kind", CHANGES)
+def test_the_geometry_is_not_judged_with_an_offset_that_changes(kind, sensor):
+    """One constant is fitted with the track, which is wrong in a part of the drive."""
+    faulty, cal = CHANGES[kind](sensor), calibration()
+    found = check_geometry(faulty, drive().court.geometry, cal.mount, offsets=cal.offsets)
+    (told,) = of_code(look(faulty), "offset")
+    assert told.sentence in found.warnings and found.warnings[0] == NO_VERDICT_WHY
+    assert not found.judged and not found.fits and np.isnan(found.track_m)
+    # All of its samples may be touched: that it changes is another thing.
+    everywhere = replace(told, flags=np.ones(len(faulty), np.bool_))
+    assert changes(told) and changes(everywhere)
+    assert not changes(of_code(look(with_offsets(["frame"], 20.0)), "offset")[0])
+
+
 @pytest.mark.parametrize("sensor", SENSORS)
 @pytest.mark.parametrize("size", [20.0, 50.0])
 def test_a_large_offset_is_told_as_one(sensor, size):
@@ -72,6 +98,40 @@ def test_a_large_offset_is_told_as_one(sensor, size):
     assert {cost.name for cost in found.costs if cost.largest > 0} >= {
         "turn" if sensor == "frame" else "distance"
     }
+
+
+def with_offsets(names, size_degps):
+    trial = drive().trial
+    for name in names:
+        main = drive().court.mounting[name].rotation_body_to_imu[:, 2]
+        trial = inject.offset(trial, name, "gyr", np.deg2rad(size_degps) * main)
+    return trial
+
+
+@pytest.mark.parametrize("names", list(combinations(SENSORS, 2)))
+def test_two_large_offsets_are_both_told(names):
+    """The third stands: they were told as scales, or as offsets that no rest shows."""
+    found = look(with_offsets(names, 20.0))
+    assert [(fault.code, fault.sensor) for fault in found] == [
+        ("offset", f"{name}_gyr") for name in names
+    ]
+    assert all("while the chair stands" in fault.sentence for fault in found)
+
+
+def test_what_rests_show_is_not_said_to_be_shown_by_none():
+    """Three that read much may turn steadily; gravity shows an offset all the same."""
+    for fault in of_code(look(with_offsets(SENSORS, 20.0)), "offset"):
+        assert "its rests show more than any sound sensor's offset" in fault.sentence
+        assert "no rest of the drive" not in fault.sentence
+
+
+def test_a_steady_turn_of_all_is_no_offset():
+    """Each reads the same turn, about another axis of its own."""
+    trial = drive().trial
+    turn = np.deg2rad([12.0, 0.0, 0.0]), np.deg2rad([7.0, 7.0, 7.0]), np.deg2rad([0.0, 12.0, 0.0])
+    for name, rates in zip(SENSORS, turn, strict=True):
+        trial = inject.offset(trial, name, "gyr", rates)
+    assert not any("while the chair stands" in fault.sentence for fault in look(trial))
 
 
 def test_a_small_change_and_a_constant_are_no_fault():

@@ -434,7 +434,7 @@ def summary_of(kind: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
     seen = [row for row in mine if row["found_as"] != "refused"]
     matter = [row for row in seen if row["ratio"] > MATTERS]
     told = [row for row in matter if row["found_as"]]
-    priced = [row for row in told if row["cost_stated"] is not None]
+    priced = [row for row in told if row["right"] and row["cost_stated"] is not None]
     within = [r for r in priced if 0.5 <= r["cost_stated"] / max(r["cost_real"], 1e-9) <= 2.0]
     missed = [row["ratio"] for row in matter if not row["found_as"]]
     return {
