@@ -20,7 +20,14 @@ from mobility_imu.quality import (
 )
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.reach import FRAME, UNKNOWN, placed, samples_unknown, with_reach
+from mobility_imu.walker.reach import (
+    FRAME,
+    UNKNOWN,
+    is_of_half,
+    placed,
+    samples_unknown,
+    with_reach,
+)
 from mobility_imu.walker.rest_checks import (
     LARGEST_LAG_S,
     LEAST,
@@ -360,7 +367,7 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
         what = (
             f"reads {largest:.1f} deg/s more in the first rest than in the others: the frame moves "
             "where rest was promised, and this passes for the gyroscope's offset; let it stand for "
-            "some seconds before the first step"
+            "some seconds before it moves"
         )
         repair = partial(_rates_off, flags=flags, rate_radps=off[0])
     else:
@@ -488,7 +495,7 @@ def _spikes(recording: Recording, readings: Readings, found: Sequence[Fault]) ->
         label = f"{FRAME}_{half}"
         known = np.zeros(count, np.bool_)
         for fault in found:
-            if fault.sensor.startswith(label):
+            if is_of_half(fault, half):
                 known |= fault.flags
         if known.all():
             continue

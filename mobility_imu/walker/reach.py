@@ -25,6 +25,7 @@ __all__ = [
     "MOSTLY",
     "SHORTEST_MOVE_S",
     "UNKNOWN",
+    "is_of_half",
     "placed",
     "samples_unknown",
     "with_reach",
@@ -81,7 +82,7 @@ def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings)
     turns, shakes = stillness_signals(
         imu.acc_mps2, rates - np.median(rates, axis=0), rate_hz, stillness
     )
-    if fault.sensor.startswith(f"{FRAME}_gyr"):
+    if is_of_half(fault, "gyr"):
         moves, same = shakes > stillness.acc_deviation_mps2, same_as_before(imu.acc_mps2)
     else:
         moves, same = turns > stillness.rate_radps, same_as_before(rates)
@@ -125,6 +126,21 @@ def _with_peaks(values: FloatArray, flags: NDArray[np.bool_]) -> tuple[FloatArra
         capped = np.abs(bridged[cut, 0]) >= (FARTHEST - 0.01) * limit
         known &= bool(capped.mean() < MOST_CAPPED and cut.mean() < MOST_CUT)
     return undone, known
+
+
+def is_of_half(fault: Fault, half: str) -> bool:
+    """Whether a fault is one of a half of the frame's sensor, or of an axis of that half.
+
+    Parameters
+    ----------
+    fault : Fault, whose sensor is "frame", "frame_gyr" or "frame_gyr_x"
+    half : "acc" or "gyr"
+
+    Returns
+    -------
+    bool
+    """
+    return fault.sensor.removeprefix(f"{FRAME}_").split("_")[0] == half
 
 
 def placed(flags: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
