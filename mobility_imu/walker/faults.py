@@ -127,7 +127,9 @@ def find_faults(
     found += gaps_in_moves(recording, path.stationary, filled)
     more = faults_of_readings(recording, readings, found, stillness)
     found = _with_readings(recording, found, more)
-    found += faults_of_path(recording, path, mount, found)
+    # The limits of what a path shows are those of smoothed ones.
+    shown = path if smooth else replace(path_of(recording, smooth=True), warnings=path.warnings)
+    found += faults_of_path(recording, shown, mount, found)
     found += coarse_rates(recording, path, mount, found)
     found += _not_closed(recording, path, path_of)
 
@@ -215,9 +217,9 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
     A rest brings velocity and tilt back, never place and heading. So a fault that nothing can undo,
     or that moves place (in space) or heading by more than their stated standard deviations at the
     end, leaves everything from the rest before its first sample on not valid: a smoother carries
-    the error back to there. One that costs less touches its own samples, or none if it lasts
-    throughout. One that could be undone, but whose cost is not known, touches its own samples, also
-    if these are all.
+    the error back to there. In a path without a smoother it is everything from its first sample on.
+    One that costs less touches its own samples, or none if it lasts throughout. One that could be
+    undone, but whose cost is not known, touches its own samples, also if these are all.
 
     A start that moves does not count, since the path begins after it. "At odds" beside another
     fault touches its own samples, as that fault may be its cause or not; a lasting one is, where
@@ -250,7 +252,7 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
         lasts = _lasts(fault, found) and (alone or not odds)
         if lasts and touched.any():
             first = int(np.argmax(touched))
-            rested = np.flatnonzero(found.stationary[:first])
+            rested = np.flatnonzero(found.stationary[:first]) if found.smooth else [first]
             touched[rested[-1] if len(rested) else 0 :] = True
         if lasts or not fault.costs or not touched.all():
             valid &= ~touched
@@ -286,7 +288,7 @@ def _carried_back(
     stated: Trajectory,
     path_of: Callable[[Recording], Trajectory],
 ) -> Fault:
-    """Fault whose flags begin where it begins to move the path by more than its deviations.
+    """Fault that begins where it begins to move the path by more than its deviations.
 
     The smoother takes an offset that jumps for one that wanders, before the jump as well.
     """
@@ -304,11 +306,16 @@ def _carried_back(
     off = place > np.maximum(sd_m, NEGLIGIBLE["m"])
     off |= turned > np.maximum(stated.yaw_sd_rad[-count:], np.deg2rad(NEGLIGIBLE["deg"]))
     before = len(recording) - len(stated) + first
-    flags = fault.flags.copy()
     begin = len(recording) - count + int(np.argmax(off))
-    if off.any() and begin < before:
-        flags[begin:before] = True
-    return replace(fault, flags=flags)
+    if not off.any() or begin >= before:
+        return fault
+    flags, first_s = fault.flags.copy(), float(recording.time_s[begin])
+    flags[begin:before] = True
+    return replace(
+        fault, flags=flags, first_s=first_s,
+        sentence=f"{fault.sentence}; the path is off from {first_s:.2f} s on, since each of its "
+        "estimates uses what comes after it",
+    )  # fmt: skip
 
 
 def _checked(faults: Iterable[Fault], found: Trajectory | None = None) -> tuple[Fault, ...]:

@@ -74,6 +74,7 @@ class Trajectory(Result):
         times the gyroscope's, and it allows for a resting frame that turns a little
     warnings : what the user should know
     settings, stillness : what it was found with; stillness is None if the rests were given
+    smooth : whether each estimate uses what comes after it
     """
 
     time_s: FloatArray
@@ -85,10 +86,12 @@ class Trajectory(Result):
     warnings: tuple[str, ...] = ()
     settings: NavigationSettings = field(default_factory=NavigationSettings, kw_only=True)
     stillness: StillnessSettings | None = field(default_factory=StillnessSettings, kw_only=True)
+    smooth: bool = field(default=True, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check that all are series of one length."""
         expect("settings", self.settings, NavigationSettings)
+        one_of("smooth", self.smooth, (True, False))
         if self.stillness is not None:
             expect("stillness", self.stillness, StillnessSettings)
         check_columns(self, "time_s", "yaw_sd_rad", flags=("stationary",))
@@ -319,8 +322,7 @@ def _estimate_one(
         warnings=warnings,
         closed_loop=closed_loop,
     )
-    if rests is not None:
-        found = replace(found, stillness=None)
+    found = replace(found, smooth=smooth, stillness=None if rests is not None else found.stillness)
     notes = [*found.warnings, *_without_rest(found)]
     if closed_loop is not None:
         untied, _ = navigate_recording(

@@ -319,12 +319,50 @@ def test_a_jump_is_dated_wherever_it_is(part):
     (found,) = [f for f in told if f.code == "offset"]
     when = float(re.search(r"at rest from ([\d.]+) s on", found.sentence)[1])
     assert when == pytest.approx(jump_s, abs=2) and found.first_s <= jump_s
+    # The smoother carries it back: the fault begins there, and its sentence says so.
+    assert found.first_s == wrong.time_s[found.flags.argmax()] < jump_s - 2
+    assert f"the path is off from {found.first_s:.2f} s on" in found.sentence
+    assert found.flags[found.flags.argmax() :].all()
     moved = estimate_trajectory(wrong, walk.tape, walk.mount)
     valid = valid_samples(moved, told)
     count = min(len(moved), len(path()))
     apart = np.linalg.norm(moved.position_m[-count:] - path().position_m[-count:], axis=1)
     sd = np.linalg.norm(moved.position_sd_m[-count:], axis=1)
     assert (apart <= 1.5 * np.maximum(sd, 2e-3))[valid[-count:]].all()
+
+
+@pytest.mark.parametrize("part", [0.6, 0.9])
+def test_without_a_smoother_nothing_before_a_jump_is_touched(part):
+    """And a mount is not told as turned because the filter has not caught up with a move yet."""
+    recording, walk = walked().walk.recording, walked()
+    jump_s = part * recording.time_s[-1]
+    jump = np.outer(recording.time_s > jump_s, np.deg2rad([1.0, 0.0, 1.0]))
+    wrong = with_rates(recording, jump)
+    told = find_faults(wrong, walk.tape, walk.mount, smooth=False)
+    assert {f.code for f in told} - {"at odds"} == {"offset"}
+    (found,) = [f for f in told if f.code == "offset"]
+    assert found.first_s == wrong.time_s[found.flags.argmax()]
+    assert jump_s - 2 < found.first_s < jump_s and "the path is off from" not in found.sentence
+    moved = estimate_trajectory(wrong, walk.tape, walk.mount, smooth=False)
+    valid = valid_samples(moved, told)
+    later = moved.time_s >= found.first_s
+    assert not valid[later].any() and valid[~later & ~moved.stationary].all()
+
+
+def test_without_a_smoother_what_is_lost_is_not_valid_from_its_first_sample_on():
+    walk, begin = walked(), len(ended_in_a_move())
+    wrong = halted(walk.walk.recording, "gyr", begin, 2000)
+    told = find_faults(wrong, walk.tape, walk.mount, smooth=False)
+    (found,) = [f for f in told if f.code == "frozen"]
+    first = int(found.flags.argmax())
+    for smooth in (True, False):
+        moved = estimate_trajectory(wrong, walk.tape, walk.mount, smooth=smooth)
+        assert moved.smooth is smooth
+        valid = valid_samples(moved, [found])
+        late = len(wrong) - len(moved)
+        rest = np.flatnonzero(moved.stationary[: first - late])[-1]
+        assert rest < first - late - 10
+        assert np.flatnonzero(valid)[-1] == (rest if smooth else first - late) - 1
 
 
 def test_a_repair_works_on_the_recording_that_it_is_given():
