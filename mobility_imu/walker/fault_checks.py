@@ -53,7 +53,7 @@ Rounding hides one step, and one more at its edge; the rest is 0.6 deg of tilt. 
 swept."""
 LEAST_LAG_S, LEAST_SCALE = 0.07, 0.04
 """Smallest lag that is told: the halves of one chip differ by up to 0.01 s (data sheets of their
-low-passes), and the lags of 32 simulated walks without a fault, level "real", scatter by 0.018 s,
+low-passes), and the lags of 32 simulated walks without a fault, level "real", scatter by 0.017 s,
 twice what the fits state; this is four times that. Smallest error of the gyroscope's scale that is
 told: data sheets of cheap sensors allow 3 %, and of 100 simulated tilts one shows 3.5 %."""
 NEW_RESTS, LESS_LEFT = 4, 0.9
@@ -61,20 +61,31 @@ NEW_RESTS, LESS_LEFT = 4, 0.9
 left each time. Our choice, not swept."""
 LARGE_SCALE = 3.0
 """A scale that is so many times wrong is told in times, a smaller one in per cent."""
+NEAR_UNIT = 1.35
+"""A scale that is as many times wrong as deg/s are rad/s, within this factor, is asked for its
+unit. Our choice, not swept; of a unit what is found lies within 15 %."""
 SURE_TIMES = 4.0
 """Lag and scale are told if they are so many standard deviations: one in 16 000 of normal errors,
 which those of few moves are not. Our choice, not swept."""
 SHORTEST_REST_S = 0.5
+"""Shortest rest whose mean rate counts. Our choice, not swept."""
 ANY_REST_RADPS, FIRST_REST_RADPS, LASTING_RADPS = np.deg2rad([1.0, 0.1, 0.2]).tolist()
-"""Mean rate of a rest against the other rests': of any of at least half a second; of the first,
+"""Mean rate of a rest against the other rests': of any; of the first,
 from which the path starts; of three that follow each other. On 16 real walks the largest are 0.66,
 0.41 and 0.41 deg/s; with unsteady hands all are large, so that the last two also have to be
 :data:`REST_TIMES` the usual one."""
 REST_TIMES, FEWEST_RESTS = 5.0, 3
-"""Times the usual size; and the fewest rests whose median leaves out one that is off."""
+"""Times the usual size, our choice, not swept; and the fewest rests whose median leaves out one
+that is off."""
 JUMP_RADPS, JUMP_TIMES = float(np.deg2rad(0.1)), 6.0
-"""Difference of the rests' median rates before and after a moment, and how many times its standard
-deviation it has to be. On 16 real walks the largest is 5.0 times."""
+"""Difference of the rests' median rates before and after a moment, our choice, not swept: left
+in the rates it turns by 6 deg in a minute. And how many times its standard deviation it has to be:
+on 16 real walks the largest is 5.0 times."""
+SD_OF_MEDIAN, SD_BY_MEDIAN = 1.25, 1.48
+"""Of normal numbers: a median's standard deviation against a mean's, sqrt(pi / 2), and the standard
+deviation against the median of their sizes."""
+LEAST_SCATTER_RADPS = 1e-6
+"""Scatter of the rests' rates below which it is rounding."""
 INSIDE = 0.1
 """Part of the jump from which on a rest shows it. Our choice, not swept."""
 ROLLS_MPS, ROLLS_S = 0.3, 1.5
@@ -88,6 +99,9 @@ SPIKE_RADPS, SPIKE_MPS2, LEAST_SPIKE_MPS2, SPIKE_TIMES = 0.5, 8.0, 3.0, 8.0
 """Single readings off both neighbours, which agree, by so much and by so many times the changes
 around them. On 16 real walks the largest are 0.32 rad/s and 3.7 m/s². A smaller one of the
 accelerometer is told if the velocity comes back to zero without it."""
+AROUND = 11
+"""Samples around a spike whose changes are the usual ones: their median leaves a spike out. Our
+choice, not swept."""
 AGREE = 0.25
 """Neighbours of a spike agree if they differ by less than this part of it, as for the spikes that
 every recording is examined for."""
@@ -194,9 +208,9 @@ def _halves(
     if fit.silent:
         yield fault_of(
             recording, "scale", label, whole,
-            "does not turn with the frame: gravity turns while it moves, as the velocity at the "
-            "next rest shows, and the gyroscope says nothing of it; check its unit and its axes, "
-            "or use another sensor" + UNKNOWN,
+            "reads no more in moves than at rest, although the frame tilts there, as the velocity "
+            "that is left at the next rest shows: it says nothing of it; check its unit and its "
+            "axes, or use another sensor" + UNKNOWN,
         )  # fmt: skip
     if not fit.seen:
         return
@@ -272,7 +286,7 @@ def _scale_words(fit: HalvesFit) -> str:
     if not LEAST[1] < fit.scale < MOST[1]:
         return f"{times:.0f} times or more {way}"
     words = f"{times:.3g} ± {times * fit.scale_sd / fit.scale:.2g} times {way}"
-    unit = abs(np.log(times / np.rad2deg(1.0))) < 0.3
+    unit = abs(np.log(times / np.rad2deg(1.0))) < np.log(NEAR_UNIT)
     return f"{words} (deg/s and rad/s are 57.3 apart: is the unit right?)" if unit else words
 
 
@@ -296,8 +310,8 @@ def _held(
     if flags.any():
         fault = fault_of(
             recording, "frozen", f"{FRAME}_acc", flags,
-            "repeats its last reading while the gyroscope turns; leave these times out, or record "
-            "again", size=float(flags.sum() / rate_hz), unit="s",
+            "repeats its last reading while the gyroscope reads that the frame tilts; leave these "
+            "times out, or record again", size=float(flags.sum() / rate_hz), unit="s",
             repair=partial(interpolated, sensor=FRAME, half="acc", flags=flags),
         )  # fmt: skip
         yield with_reach(fault, recording, stillness)
@@ -316,11 +330,12 @@ def _gravity(recording: Recording, readings: Readings) -> Iterator[Fault]:
     if abs(size - STANDARD_GRAVITY_MPS2) <= OFF_GRAVITY_MPS2:
         return
     factor = STANDARD_GRAVITY_MPS2 / size
+    percent, way = abs(100 / factor - 100), "long" if factor < 1 else "short"
     yield fault_of(
         recording, "gravity", f"{FRAME}_acc", np.ones(len(recording), np.bool_),
         f"reads {size:.2f} m/s² at rest, expected {STANDARD_GRAVITY_MPS2:.2f}: its scale or its "
-        "offset is wrong; lengths are wrong by as much if it is the scale; calibrate it, or use "
-        "another sensor",
+        f"offset is wrong; if it is the scale, lengths are {percent:.0f} % too {way}; calibrate "
+        "it, or use another sensor",
         size=size - STANDARD_GRAVITY_MPS2, unit="m/s²",
         repair=partial(multiplied, sensor=FRAME, half="acc", factors=factor),
     )  # fmt: skip
@@ -358,23 +373,23 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
         largest = float(np.rad2deg(np.linalg.norm(apart)))
         last, when = _time_of_jump(readings.time_s, rests, off, jump)
         what = (
-            f"reads {largest:.2f} deg/s more at rest from {when:.1f} s on than before: its offset "
-            "jumps; cut the recording there, or use another sensor"
+            f"reads another rate at rest from {when:.1f} s on than before, {largest:.2f} deg/s "
+            "apart: its offset jumps; cut the recording there, or use another sensor"
         )
         flags = recording.time_s >= last
         repair = partial(_rates_off, flags=recording.time_s >= when, rate_radps=-apart)
     elif first and not bad[1:].any():
         what = (
-            f"reads {largest:.1f} deg/s more in the first rest than in the others: the frame moves "
-            "where rest was promised, and this passes for the gyroscope's offset; let it stand for "
-            "some seconds before it moves"
+            f"reads another rate in the first rest than in the others, {largest:.1f} deg/s apart: "
+            "the frame moves where rest was promised, and this passes for the gyroscope's offset; "
+            "let it stand for some seconds before it moves"
         )
         repair = partial(_rates_off, flags=flags, rate_radps=off[0])
     else:
         what = (
-            f"reads up to {largest:.1f} deg/s more at rest than in most rests: its offset changes, "
-            "or the frame is turned where it counts as still; let the sensor warm up, and the "
-            "frame stand between its moves"
+            f"reads another rate in some rests than in most, up to {largest:.1f} deg/s apart: its "
+            "offset changes, or the frame is turned where it counts as still; let the sensor warm "
+            "up, and the frame stand between its moves"
         )
         middles = np.array([readings.time_s[rest].mean() for rest in rests])
         repair = partial(_offsets_off, middles_s=middles, offsets=off)
@@ -388,11 +403,12 @@ def _jump_at(off: FloatArray) -> int:
     """First rest after a jump of the offset; 0 if there is none."""
     if len(off) < 2 * FEWEST_RESTS:
         return 0
-    scatter = 1.48 * np.median(np.abs(np.diff(off, axis=0)), axis=0) / np.sqrt(2)
+    scatter = SD_BY_MEDIAN * np.median(np.abs(np.diff(off, axis=0)), axis=0) / np.sqrt(2)
+    scatter = np.maximum(scatter, LEAST_SCATTER_RADPS)
     sure = False
     for k in range(FEWEST_RESTS, len(off) - FEWEST_RESTS + 1):
         apart = np.abs(np.median(off[:k], axis=0) - np.median(off[k:], axis=0))
-        sd = 1.25 * np.maximum(scatter, 1e-6) * np.sqrt(1 / k + 1 / (len(off) - k))
+        sd = SD_OF_MEDIAN * scatter * np.sqrt(1 / k + 1 / (len(off) - k))
         sure |= bool((apart / sd).max() > JUMP_TIMES and np.linalg.norm(apart) > JUMP_RADPS)
     if not sure:
         return 0
@@ -480,10 +496,10 @@ def _misfits(recording: Recording, readings: Readings) -> Iterator[Fault]:
         flags[span] |= is_bad
     yield fault_of(
         recording, "at odds", FRAME, placed(flags, len(recording)),
-        f"does not fit together from rest to rest ({int(bad.sum())} times): gravity is up to "
-        f"{moves.tilt_deg.max():.1f} deg off the gyroscope's, and a velocity of up to "
-        f"{moves.speed_mps.max():.2g} m/s is left where the frame stands; check the units and axes "
-        "of both halves, and what happened there" + UNKNOWN,
+        f"does not fit together in {int(bad.sum())} moves: from rest to rest gravity turns up to "
+        f"{moves.tilt_deg.max():.1f} deg otherwise than the gyroscope reads, and the velocity that "
+        f"is left at rest is up to {moves.speed_mps.max():.2g} m/s; check the units and axes of "
+        "both halves, and what happened there" + UNKNOWN,
         size=float(moves.tilt_deg.max()), unit="deg",
     )  # fmt: skip
 
@@ -520,7 +536,7 @@ def _alone(values: FloatArray) -> FloatArray:
     step = np.diff(values, axis=0)
     up, down = step[:-1], step[1:]
     off = np.minimum(np.abs(up), np.abs(down))
-    usual = ndimage.median_filter(np.abs(step), (11, 1))[1:]
+    usual = ndimage.median_filter(np.abs(step), (AROUND, 1))[1:]
     alone = (np.sign(up) != np.sign(down)) & (np.abs(up + down) < AGREE * off)
     size[1:-1] = np.where(alone & (off > SPIKE_TIMES * usual), off, 0.0).max(axis=1)
     return size

@@ -50,7 +50,7 @@ __all__ = ["find_faults", "find_tilt_faults", "not_told", "valid_samples"]
 
 NEGLIGIBLE = {"m": 1e-3, "deg": 0.01}
 """A range whose end costs less is not told: a sensor with coarse steps repeats its largest value by
-chance."""
+chance. A millimetre, and what turns 5 m by one: our choice, not swept."""
 MOST_FILLED = 0.5
 """Part of a recording up to which straight lines are gaps; beyond it all was interpolated. Our
 choice, not swept."""

@@ -103,8 +103,9 @@ def gaps_in_moves(
     if flags.any():
         yield fault_of(
             recording, "gap", FRAME, flags,
-            f"runs along straight lines for up to {longest:.2g} s: a gap that was filled, too long "
-            f"for a frame that moves (up to {BRIDGED_S:g} s), or that may have moved unseen (up to "
-            f"{SHORTEST_MOVE_S:.2g} s); cut the recording there, or record again{UNKNOWN}",
+            f"runs along straight lines for up to {longest:.2g} s: a gap that was filled, longer "
+            f"than a line can bridge in a move ({BRIDGED_S:g} s), or so long that a whole step may "
+            f"be missing ({SHORTEST_MOVE_S:.2g} s); cut the recording there, or record again"
+            f"{UNKNOWN}",
             size=longest, unit="s",
         )  # fmt: skip

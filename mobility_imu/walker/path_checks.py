@@ -27,9 +27,11 @@ FOOT_DEG = 25.0
 """A frame that is walked with is pitched by 10 deg or less (on 16 real walks by 3); a foot swings
 by 30 to 75."""
 LONGEST_STEP_M, LONG_STEPS = 0.8, 2
-"""Nobody sets a frame down further ahead than an arm reaches."""
+"""Nobody sets a frame down further ahead than an arm reaches; one such move may be a rest that was
+not seen. The number is our choice, not swept."""
 ASIDE_DEG, FEWEST_STEPS, LEAST_STEP_M, LEAST_WAY_M = 4.0, 5, 0.1, 2.0
-"""Steps go forward: on 16 real walks the way goes within 2.6 deg of it."""
+"""Steps go forward: on 16 real walks the way goes within 2.6 deg of it. The fewest steps that show
+it, the shortest that has a direction, and the shortest way, are our choices, not swept."""
 GROSS_SCALE = 0.5
 """A path from rates that are so far off, or that say nothing, shows neither mount nor manner. Our
 choice, not swept."""

@@ -115,8 +115,8 @@ def off_scale(scale: float, moved: FloatArray, place_sd: FloatArray) -> Iterator
         yield (
             f"{REST_WORDS} {abs(100 * scale):.1f} % too "
             f"{'much' if scale > 0 else 'little'}: if this is its scale, the IMU's position is "
-            f"wrong by about {np.linalg.norm(moved):.2g} m, {times:.1f} of the stated standard "
-            "deviations; calibrate the accelerometer, or use another sensor"
+            f"wrong by about {np.linalg.norm(moved):.2g} m, {times:.1f} times its stated standard "
+            "deviation; calibrate the accelerometer, or use another sensor"
         )
 
 
