@@ -93,7 +93,8 @@ def test_nothing_is_found_where_nothing_is_wrong(level):
 def test_a_clear_fault_is_named(kind):
     code, change = CLEAR[kind]
     found = found_in(change(walked().walk.recording))
-    assert code in {fault.code for fault in found}, found
+    # And nothing else, but for rests that do not fit because of it.
+    assert [fault.code for fault in found if fault.code != "at odds"] == [code], found
     assert all(fault.flags.any() and fault.sentence for fault in found)
     pickle.loads(pickle.dumps(found))
 
@@ -181,7 +182,7 @@ def test_a_frame_that_rolls_is_told():
         motion = rolling_motion(seed)
         recording = shaken(walk.followed(motion).recording, motion, shaking, seed)
         codes = {fault.code for fault in found_in(recording)}
-        assert codes & {"rolls", "no rest"}, (shaking, codes)
+        assert codes == {"rolls"}, (shaking, codes)
 
 
 def test_a_foot_is_told_unless_the_settings_are_those_of_a_foot():
