@@ -319,16 +319,20 @@ def _estimate_one(
         mount,
         settings=settings,
         stillness=stillness,
+        smooth=smooth,
         warnings=warnings,
         closed_loop=closed_loop,
     )
-    found = replace(found, smooth=smooth, stillness=None if rests is not None else found.stillness)
+    if rests is not None:
+        found = replace(found, stillness=None)
     notes = [*found.warnings, *_without_rest(found)]
     if closed_loop is not None:
         untied, _ = navigate_recording(
             recording, smooth=False, settings=settings, stillness=stillness, rests=rests
         )
-        notes += _not_closed(trajectory_from_path(untied, mount, settings=settings), closed_loop)
+        notes += _not_closed(
+            trajectory_from_path(untied, mount, settings=settings, smooth=False), closed_loop
+        )
     return replace(found, warnings=tuple(notes))
 
 
@@ -401,6 +405,7 @@ def trajectory_from_path(
     *,
     settings: NavigationSettings | None = None,
     stillness: StillnessSettings | None = None,
+    smooth: bool = True,
     warnings: Sequence[str] = (),
     closed_loop: ClosedLoop | None = None,
 ) -> Trajectory:
@@ -410,7 +415,7 @@ def trajectory_from_path(
     ----------
     path : Navigation
     mount : WalkerMount
-    settings, stillness : what the path was found with; the result carries them
+    settings, stillness, smooth : what the path was found with; the result carries them
     warnings : of the path; they stand first on the result
     closed_loop : that the path was found with
 
@@ -444,6 +449,7 @@ def trajectory_from_path(
         tuple(notes),
         settings=settings_or_default("settings", settings, NavigationSettings),
         stillness=settings_or_default("stillness", stillness, StillnessSettings),
+        smooth=smooth,
     )
 
 
