@@ -225,6 +225,18 @@ def test_tilts_stated_half_a_turn_off_cannot_be_told_apart_before_a_walk():
     assert "turned" in {fault.code for fault in found_in(walk.walk.recording, mount)}
 
 
+@pytest.mark.parametrize("degrees", [15.0, 90.0, -120.0, 180.0])
+def test_a_mount_is_told_by_the_angle_that_it_is_turned_by(degrees):
+    """Its IMU lies elsewhere than it says, so that steps which turn seem to go another way."""
+    wrong = turned(walked().walk.recording, [0.0, 0.0, degrees])
+    (fault,) = [f for f in found_in(wrong) if f.code == "turned"]
+    assert abs((fault.size - degrees + 180) % 360 - 180) < 1.0
+    side = "left" if fault.size > 0 else "right"
+    assert f"steps {abs(fault.size):.0f} deg to the {side}" in fault.sentence
+    mended = estimate_trajectory(fault.repair(wrong), walked().tape, walked().mount)
+    assert np.linalg.norm(mended.position_m - path().position_m, axis=1).max() < 0.1
+
+
 def test_nothing_is_said_twice():
     faulty = CLEAR["leans"][1](walked().walk.recording)
     found = found_in(faulty)
