@@ -327,12 +327,11 @@ def _estimate_one(
         found = replace(found, stillness=None)
     notes = [*found.warnings, *_without_rest(found)]
     if closed_loop is not None:
-        untied, _ = navigate_recording(
+        path, _ = navigate_recording(
             recording, smooth=False, settings=settings, stillness=stillness, rests=rests
         )
-        notes += _not_closed(
-            trajectory_from_path(untied, mount, settings=settings, smooth=False), closed_loop
-        )
+        untied = trajectory_from_path(path, mount, settings=settings, smooth=False)
+        notes += _not_closed(untied, closed_loop)
     return replace(found, warnings=tuple(notes))
 
 
