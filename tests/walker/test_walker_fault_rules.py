@@ -470,6 +470,23 @@ def test_a_loss_at_the_end_of_a_rest_is_bridged(half):
         assert found.repair is not None and found.costs
 
 
+def test_an_axis_that_dies_at_rest_before_the_end_costs_nothing():
+    """No line bridges it, and none is needed; with another loss in a move it is not known."""
+    walk, whole = walked(), walked().walk.recording
+    rest = runs_of(path().stationary)[-1]
+    count = rest.stop - rest.start - 10
+    wrong = halted(whole, "gyr", len(whole) - count, count, 1)
+    (found,) = find_faults(wrong, walk.tape, walk.mount)
+    assert found.code == "dead axis" and found.repair is not None
+    assert [cost.largest for cost in found.costs] == [0.0, 0.0]
+    (known,) = [f for f in examine(wrong) if f.code == "dead axis"]
+    begin = len(ended_in_a_move())
+    moving = known.flags.copy()
+    moving[begin : begin + 28] = True
+    both = with_reach(replace(known, flags=moving), wrong, StillnessSettings())
+    assert both.repair is None and "is not known" in both.sentence
+
+
 @pytest.mark.parametrize("which", [0, 6, 12])
 def test_a_step_in_which_both_halves_repeat_themselves_is_not_known(which):
     """Each half shows no motion of the other: a gap that was filled with the last reading."""
