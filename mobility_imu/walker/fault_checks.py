@@ -359,9 +359,10 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
     first = size[0] > max(FIRST_REST_RADPS, usual)
     bad = (size > ANY_REST_RADPS) | (lasting > max(LASTING_RADPS, usual))
     bad[0] |= first
-    jump = _jump_at(off)
-    if jump:
-        bad[jump:] = True
+    middles = np.array([readings.time_s[rest].mean() for rest in rests])
+    jump, drifts = _jump_at(off, middles)
+    bad[jump if jump else len(bad) :] = True
+    bad |= drifts
     if not bad.any():
         return
     flags = np.zeros(len(readings.time_s), np.bool_)
@@ -378,6 +379,15 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
         )
         flags = recording.time_s >= last
         repair = partial(_rates_off, flags=recording.time_s >= when, rate_radps=-apart)
+    elif drifts:
+        largest = float(np.rad2deg(np.linalg.norm(off[-1] - off[0])))
+        what = (
+            f"reads another rate in the last rest than in the first, {largest:.2f} deg/s apart, "
+            "and others between them in turn: its offset drifts; let the sensor warm up, or use "
+            "another sensor"
+        )
+        flags = np.ones(len(recording), np.bool_)
+        repair = partial(_offsets_off, middles_s=middles, offsets=off)
     elif first and not bad[1:].any():
         what = (
             f"reads another rate in the first rest than in the others, {largest:.1f} deg/s apart: "
@@ -391,7 +401,6 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
             "offset changes, or the frame is turned where it counts as still; let the sensor warm "
             "up, and the frame stand between its moves"
         )
-        middles = np.array([readings.time_s[rest].mean() for rest in rests])
         repair = partial(_offsets_off, middles_s=middles, offsets=off)
     label = f"{FRAME}_gyr"
     yield fault_of(
@@ -399,10 +408,10 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
     )
 
 
-def _jump_at(off: FloatArray) -> int:
-    """First rest after a jump of the offset; 0 if there is none."""
+def _jump_at(off: FloatArray, middles_s: FloatArray) -> tuple[int, bool]:
+    """First rest after a jump of the offset, 0 if there is none; and whether it drifts instead."""
     if len(off) < 2 * FEWEST_RESTS:
-        return 0
+        return 0, False
     scatter = SD_BY_MEDIAN * np.median(np.abs(np.diff(off, axis=0)), axis=0) / np.sqrt(2)
     scatter = np.maximum(scatter, LEAST_SCATTER_RADPS)
     sure = False
@@ -411,13 +420,22 @@ def _jump_at(off: FloatArray) -> int:
         sd = SD_OF_MEDIAN * scatter * np.sqrt(1 / k + 1 / (len(off) - k))
         sure |= bool((apart / sd).max() > JUMP_TIMES and np.linalg.norm(apart) > JUMP_RADPS)
     if not sure:
-        return 0
+        return 0, False
     # Medians hardly change with some rests of the other side: what is left beside them does.
     left = [
         sum(np.abs(part - np.median(part, axis=0)).sum() for part in (off[:k], off[k:]))
         for k in range(1, len(off))
     ]
-    return 1 + int(np.argmin(left))
+    if np.abs(off - _curve(off, middles_s)).sum() < min(left):
+        return 0, True
+    return 1 + int(np.argmin(left)), False
+
+
+def _curve(off: FloatArray, middles_s: FloatArray) -> FloatArray:
+    """Parabola through the rests' rates: as many numbers as a jump has, two levels and a time."""
+    when = middles_s - middles_s.mean()
+    fit = np.polynomial.polynomial.polyfit(when, off, 2)
+    return np.asarray(np.polynomial.polynomial.polyval(when, fit).T)
 
 
 def _time_of_jump(

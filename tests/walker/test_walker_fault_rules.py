@@ -331,6 +331,37 @@ def test_a_jump_is_dated_wherever_it_is(part):
     assert (apart <= 1.5 * np.maximum(sd, 2e-3))[valid[-count:]].all()
 
 
+@pytest.mark.parametrize("seed", [11, 12])
+@pytest.mark.parametrize("warm_up_s", [10.0, 30.0, np.inf])
+def test_an_offset_that_drifts_does_not_jump(seed, warm_up_s):
+    """By 3 deg/s, evenly or less and less: its repair follows the rests, and its cost is right."""
+    walk = clean_walk(seed, "realistic", with_sd=False)
+    recording = walk.walk.recording
+    part = (recording.time_s - recording.time_s[0]) / np.ptp(recording.time_s)
+    if np.isfinite(warm_up_s):
+        part = 1 - np.exp(-(recording.time_s - recording.time_s[0]) / warm_up_s)
+        part /= part[-1]
+    wrong = with_rates(recording, np.outer(part, np.deg2rad([0.0, 3.0, 0.0])))
+    told = find_faults(wrong, walk.tape, walk.mount)
+    (found,) = [f for f in told if f.code == "offset"]
+    assert "drifts" in found.sentence and "jumps" not in found.sentence and found.flags.all()
+    clean, as_is, mended = (
+        estimate_trajectory(each, walk.tape, walk.mount)
+        for each in (recording, wrong, found.repair(wrong))
+    )
+    rests = [rest for rest in runs_of(as_is.stationary) if rest.stop - rest.start >= 50]
+    first, last = (3.0 * part[-len(as_is) :][rests[k]].mean() for k in (0, -1))
+    assert found.size == pytest.approx(last - first, abs=0.05)
+    count = min(len(as_is), len(mended))
+    off = [
+        np.rad2deg(np.abs(one.yaw_rad[-count:] - clean.yaw_rad[-count:])).max()
+        for one in (as_is, mended)
+    ]
+    assert off[1] < max(0.2 * off[0], 0.1)  # 0.1 deg: a fifth of the heading's sd
+    stated = {cost.name: cost.largest for cost in found.costs}["heading"]
+    assert stated == pytest.approx(off[0], rel=0.25, abs=0.1)
+
+
 @pytest.mark.parametrize("part", [0.6, 0.9])
 def test_without_a_smoother_nothing_before_a_jump_is_touched(part):
     """And a mount is not told as turned because the filter has not caught up with a move yet."""
