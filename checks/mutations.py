@@ -93,6 +93,7 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "walker/mount": ("test_walker_geometry", "test_walker_doors"),
     "walker/navigation_settings": ("test_walker_navigation", "test_walker_doors"),
     "walker/path_checks": ("test_walker_faults",),
+    "walker/reach": ("test_walker_fault_rules",),
     "walker/rest_checks": ("test_walker_faults",),
     "walker/sensor_errors": ("test_walker_trajectory", "test_walker_rounding"),
     "walker/stillness": ("test_walker_navigation", "test_walker_doors"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -12,7 +11,7 @@ from scipy import ndimage
 
 from mobility_imu.faults import Fault, half_of, interpolated, multiplied, shifted, with_half
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
-from mobility_imu.health import fault_of, samples_lost
+from mobility_imu.health import fault_of
 from mobility_imu.quality import (
     SHORTEST_FROZEN_S,
     resolution_of,
@@ -21,6 +20,14 @@ from mobility_imu.quality import (
 )
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.walker.reach import (
+    FRAME,
+    UNKNOWN,
+    is_of_half,
+    placed,
+    samples_unknown,
+    with_reach,
+)
 from mobility_imu.walker.rest_checks import (
     LARGEST_LAG_S,
     LEAST,
@@ -33,19 +40,10 @@ from mobility_imu.walker.rest_checks import (
     moves_between_rests,
     rest_rates,
 )
-from mobility_imu.walker.saturation import FARTHEST, bridged_rates
-from mobility_imu.walker.stillness import StillnessSettings, find_stillness, stillness_signals
+from mobility_imu.walker.stillness import StillnessSettings, find_stillness
 
-__all__ = ["BRIDGED_S", "BROKEN", "FRAME", "UNKNOWN", "faults_of_readings", "placed", "with_reach"]
+__all__ = ["faults_of_readings", "is_held", "steps_are_coarse"]
 
-FRAME = "frame"
-BROKEN = frozenset({"frozen", "dead axis"})
-"""Faults of readings that say nothing; what else is odd comes from them."""
-BRIDGED_S = 0.3
-"""A frozen half is bridged by a line if it is shorter: a third of a step."""
-MOST_CAPPED, MOST_CUT = 0.05, 0.1
-"""Parts of the cut samples whose curve ends at twice the range, and of all samples that are cut, up
-to which what was cut off counts as known. Our choice, not swept."""
 SOME_CUT = 0.01
 """Part of the samples at the end of a range from which on the halves are not held against each
 other: what was cut looks like a scale. Our choice, not swept."""
@@ -53,11 +51,9 @@ HELD_STEPS, HELD_MPS2 = 2.0, 0.1
 """Change of gravity in a sensor's axes that it has to feel: so many steps and so much beyond.
 Rounding hides one step, and one more at its edge; the rest is 0.6 deg of tilt. Our choice, not
 swept."""
-UNKNOWN = "; what the path does there is not known, nor its place and heading from there on"
-
 LEAST_LAG_S, LEAST_SCALE = 0.07, 0.04
 """Smallest lag that is told: the halves of one chip differ by up to 0.01 s (data sheets of their
-low-passes), and the lags of 32 simulated walks without a fault, level "real", scatter by 0.018 s,
+low-passes), and the lags of 32 simulated walks without a fault, level "real", scatter by 0.017 s,
 twice what the fits state; this is four times that. Smallest error of the gyroscope's scale that is
 told: data sheets of cheap sensors allow 3 %, and of 100 simulated tilts one shows 3.5 %."""
 NEW_RESTS, LESS_LEFT = 4, 0.9
@@ -65,20 +61,31 @@ NEW_RESTS, LESS_LEFT = 4, 0.9
 left each time. Our choice, not swept."""
 LARGE_SCALE = 3.0
 """A scale that is so many times wrong is told in times, a smaller one in per cent."""
+NEAR_UNIT = 1.35
+"""A scale that is as many times wrong as deg/s are rad/s, within this factor, is asked for its
+unit. Our choice, not swept; of a unit what is found lies within 15 %."""
 SURE_TIMES = 4.0
 """Lag and scale are told if they are so many standard deviations: one in 16 000 of normal errors,
 which those of few moves are not. Our choice, not swept."""
 SHORTEST_REST_S = 0.5
+"""Shortest rest whose mean rate counts. Our choice, not swept."""
 ANY_REST_RADPS, FIRST_REST_RADPS, LASTING_RADPS = np.deg2rad([1.0, 0.1, 0.2]).tolist()
-"""Mean rate of a rest against the other rests': of any of at least half a second; of the first,
+"""Mean rate of a rest against the other rests': of any; of the first,
 from which the path starts; of three that follow each other. On 16 real walks the largest are 0.66,
 0.41 and 0.41 deg/s; with unsteady hands all are large, so that the last two also have to be
 :data:`REST_TIMES` the usual one."""
 REST_TIMES, FEWEST_RESTS = 5.0, 3
-"""Times the usual size; and the fewest rests whose median leaves out one that is off."""
+"""Times the usual size, our choice, not swept; and the fewest rests whose median leaves out one
+that is off."""
 JUMP_RADPS, JUMP_TIMES = float(np.deg2rad(0.1)), 6.0
-"""Difference of the rests' median rates before and after a moment, and how many times its standard
-deviation it has to be. On 16 real walks the largest is 5.0 times."""
+"""Difference of the rests' median rates before and after a moment, our choice, not swept: left
+in the rates it turns by 6 deg in a minute. And how many times its standard deviation it has to be:
+on 16 real walks the largest is 5.0 times."""
+SD_OF_MEDIAN, SD_BY_MEDIAN = 1.25, 1.48
+"""Of normal numbers: a median's standard deviation against a mean's, sqrt(pi / 2), and the standard
+deviation against the median of their sizes."""
+LEAST_SCATTER_RADPS = 1e-6
+"""Scatter of the rests' rates below which it is rounding."""
 INSIDE = 0.1
 """Part of the jump from which on a rest shows it. Our choice, not swept."""
 ROLLS_MPS, ROLLS_S = 0.3, 1.5
@@ -92,6 +99,9 @@ SPIKE_RADPS, SPIKE_MPS2, LEAST_SPIKE_MPS2, SPIKE_TIMES = 0.5, 8.0, 3.0, 8.0
 """Single readings off both neighbours, which agree, by so much and by so many times the changes
 around them. On 16 real walks the largest are 0.32 rad/s and 3.7 m/s². A smaller one of the
 accelerometer is told if the velocity comes back to zero without it."""
+AROUND = 11
+"""Samples around a spike whose changes are the usual ones: their median leaves a spike out. Our
+choice, not swept."""
 AGREE = 0.25
 """Neighbours of a spike agree if they differ by less than this part of it, as for the spikes that
 every recording is examined for."""
@@ -122,15 +132,16 @@ def faults_of_readings(
     checks: list[Iterable[Fault]] = [_spikes(recording, readings, found)]
     cut = any(f.code == "range" and f.flags.mean() > SOME_CUT for f in found)
     frozen = any(f.code == "frozen" for f in found)
-    held = [] if frozen else list(_held(recording, readings, stillness))
-    lost = samples_lost([*found, *held], len(recording))
-    # In coarse steps a late half looks frozen: then all samples are asked for a lag first.
-    coarse = resolution_of(recording.sensor(FRAME).acc_mps2).all_coarse
+    held = [] if frozen else list(_held(recording, found, stillness))
+    lost = samples_unknown([*found, *held], len(recording))
+    # In coarse steps a late half looks frozen: then its samples are asked for a lag first.
+    firm = samples_unknown([f for f in found if not is_held(f)], len(recording))
     late: list[Fault] = []
-    if coarse and (cut or lost.any()):
-        late = [fault for fault in _halves(recording, readings, stillness) if fault.code == "lag"]
+    if (cut or lost.any()) and steps_are_coarse(recording, found):
+        asked = readings._replace(lost=firm[-len(readings.time_s) :])
+        late = [fault for fault in _halves(recording, asked, stillness) if fault.code == "lag"]
     if late:
-        held = []
+        held, lost = [], firm
     readings = readings._replace(lost=lost[-len(readings.time_s) :])
     turning = [] if cut else list(_turning_rests(recording, readings))
     checks.append(late if late or cut else _halves(recording, readings, stillness, turning))
@@ -146,94 +157,34 @@ def faults_of_readings(
     return told
 
 
-def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings) -> Fault:
-    """Fault as the path sees it: with the repair that a path can be found with, or with none.
+def is_held(fault: Fault) -> bool:
+    """Whether a fault is an accelerometer that repeats itself.
 
     Parameters
     ----------
-    fault : Fault of the frame, of :func:`mobility_imu.health.examine`
-    recording : Recording
-    stillness : StillnessSettings
+    fault : Fault
 
     Returns
     -------
-    Fault
-        An axis that is dead throughout has no repair, and its sentence says so. A cut range is
-        repaired by a curve over each cut, or has no repair if too much is cut. A frozen half, or an
-        axis that is dead for some time, is bridged by a line if that is shorter than ``BRIDGED_S``
-        or the other half shows no motion meanwhile, or has no repair; nor has an axis
-        that is dead from the beginning or to the end, and moves meanwhile.
-        Faults of other kinds are as they were.
+    bool
     """
-    if fault.code == "dead axis" and fault.flags.all():
-        return replace(fault, sentence=fault.sentence + UNKNOWN)
-    if fault.code == "range":
-        half = fault.sensor.removeprefix(f"{FRAME}_")
-        _, known = _with_peaks(half_of(recording, FRAME, half), fault.flags)
-        if known:
-            return replace(fault, repair=partial(_peaks_back, half=half, flags=fault.flags))
-        return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
-    if fault.code not in BROKEN:
-        return fault
-    imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
-    rates = recording.gyroscope(FRAME)
-    turns, shakes = stillness_signals(
-        imu.acc_mps2, rates - np.median(rates, axis=0), rate_hz, stillness
-    )
-    moves = (
-        shakes > stillness.acc_deviation_mps2
-        if fault.sensor.startswith(f"{FRAME}_gyr")
-        else turns > stillness.rate_radps
-    )
-    if not (moves & fault.flags).any():
-        return replace(fault, repair=fault.repair or _as_it_is)
-    longest = max(run.stop - run.start for run in runs_of(fault.flags)) / rate_hz
-    if longest <= BRIDGED_S and fault.repair is not None:
-        return fault
-    return replace(fault, sentence=fault.sentence + UNKNOWN, repair=None)
+    return (fault.code, fault.sensor) == ("frozen", f"{FRAME}_acc")
 
 
-def _as_it_is(recording: Recording) -> Recording:
-    """Recording whose axis repeats its reading at one end of it, at rest: nothing is lost."""
-    return recording
-
-
-def _peaks_back(recording: Recording, half: str, flags: NDArray[np.bool_]) -> Recording:
-    """Recording with a curve over each cut of one half."""
-    undone, _ = _with_peaks(half_of(recording, FRAME, half), flags)
-    return with_half(recording, FRAME, half, undone)
-
-
-def _with_peaks(values: FloatArray, flags: NDArray[np.bool_]) -> tuple[FloatArray, bool]:
-    """Readings with a curve over each cut, and whether the curves stay below twice the range.
-
-    The spline goes on as the readings beside a cut rise and fall.
-    """
-    undone, known = np.array(values), True
-    for k, axis in enumerate(values.T):
-        limit = float(np.abs(axis[flags]).max(initial=0.0))
-        cut = long_runs(flags & (np.abs(axis) == limit), 2, grow=False)
-        if not cut.any():
-            continue
-        below = np.nextafter(limit, 0.0)
-        bridged, _ = bridged_rates(
-            np.where(cut, axis, np.clip(axis, -below, below))[:, None], below
-        )
-        undone[cut, k] = bridged[cut, 0]
-        capped = np.abs(bridged[cut, 0]) >= (FARTHEST - 0.01) * limit
-        known &= bool(capped.mean() < MOST_CAPPED and cut.mean() < MOST_CUT)
-    return undone, known
-
-
-def placed(flags: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
-    """Flags of a recording from those of its last samples.
+def steps_are_coarse(recording: Recording, found: Iterable[Fault]) -> bool:
+    """Whether the accelerometer may repeat itself because of its steps.
 
     Parameters
     ----------
-    flags : (n,) bool array
-    count : samples of the recording
+    recording : Recording with a sensor "frame"
+    found : Fault; a gap that was filled tells nothing of the steps
+
+    Returns
+    -------
+    bool
     """
-    return np.asarray(np.r_[np.zeros(count - len(flags), np.bool_), flags])
+    gaps = samples_unknown([f for f in found if f.code == "gap"], len(recording))
+    return resolution_of(recording.sensor(FRAME).acc_mps2, skip=gaps).all_coarse
 
 
 def _halves(
@@ -257,9 +208,9 @@ def _halves(
     if fit.silent:
         yield fault_of(
             recording, "scale", label, whole,
-            "does not turn with the frame: gravity turns while it moves, as the velocity at the "
-            "next rest shows, and the gyroscope says nothing of it; check its unit and its axes, "
-            "or use another sensor" + UNKNOWN,
+            "reads no more in moves than at rest, although the frame tilts there, as the velocity "
+            "that is left at the next rest shows: it says nothing of it; check its unit and its "
+            "axes, or use another sensor" + UNKNOWN,
         )  # fmt: skip
     if not fit.seen:
         return
@@ -335,12 +286,12 @@ def _scale_words(fit: HalvesFit) -> str:
     if not LEAST[1] < fit.scale < MOST[1]:
         return f"{times:.0f} times or more {way}"
     words = f"{times:.3g} ± {times * fit.scale_sd / fit.scale:.2g} times {way}"
-    unit = abs(np.log(times / np.rad2deg(1.0))) < 0.3
+    unit = abs(np.log(times / np.rad2deg(1.0))) < np.log(NEAR_UNIT)
     return f"{words} (deg/s and rad/s are 57.3 apart: is the unit right?)" if unit else words
 
 
 def _held(
-    recording: Recording, readings: Readings, stillness: StillnessSettings
+    recording: Recording, found: Sequence[Fault], stillness: StillnessSettings
 ) -> Iterator[Fault]:
     """An accelerometer in coarse steps that repeats itself while the gyroscope turns gravity."""
     imu, rate_hz = recording.sensor(FRAME), recording.sampling_rate_hz
@@ -349,17 +300,18 @@ def _held(
     )
     if not same.any():
         return
-    rates = recording.gyroscope(FRAME) - readings.offset()
-    felt = turned_gravity(imu.acc_mps2, rates, rate_hz)
-    step = float(resolution_of(imu.acc_mps2, skip=same).step.max())
+    # The offset is taken off in there.
+    felt = turned_gravity(imu.acc_mps2, recording.gyroscope(FRAME), rate_hz)
+    unknown = same | samples_unknown(found, len(recording))
+    step = float(resolution_of(imu.acc_mps2, skip=unknown).step.max())
     flags = np.zeros(len(recording), np.bool_)
     for run in runs_of(same):
         flags[run] = np.ptp(felt[run], axis=0).max() > HELD_STEPS * step + HELD_MPS2
     if flags.any():
         fault = fault_of(
             recording, "frozen", f"{FRAME}_acc", flags,
-            "repeats its last reading while the gyroscope turns; leave these times out, or record "
-            "again", size=float(flags.sum() / rate_hz), unit="s",
+            "repeats its last reading while the gyroscope reads that the frame tilts; leave these "
+            "times out, or record again", size=float(flags.sum() / rate_hz), unit="s",
             repair=partial(interpolated, sensor=FRAME, half="acc", flags=flags),
         )  # fmt: skip
         yield with_reach(fault, recording, stillness)
@@ -378,11 +330,12 @@ def _gravity(recording: Recording, readings: Readings) -> Iterator[Fault]:
     if abs(size - STANDARD_GRAVITY_MPS2) <= OFF_GRAVITY_MPS2:
         return
     factor = STANDARD_GRAVITY_MPS2 / size
+    percent, way = abs(100 / factor - 100), "long" if factor < 1 else "short"
     yield fault_of(
         recording, "gravity", f"{FRAME}_acc", np.ones(len(recording), np.bool_),
         f"reads {size:.2f} m/s² at rest, expected {STANDARD_GRAVITY_MPS2:.2f}: its scale or its "
-        "offset is wrong; lengths are wrong by as much if it is the scale; calibrate it, or use "
-        "another sensor",
+        f"offset is wrong; if it is the scale, lengths are {percent:.0f} % too {way}; calibrate "
+        "it, or use another sensor",
         size=size - STANDARD_GRAVITY_MPS2, unit="m/s²",
         repair=partial(multiplied, sensor=FRAME, half="acc", factors=factor),
     )  # fmt: skip
@@ -406,9 +359,10 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
     first = size[0] > max(FIRST_REST_RADPS, usual)
     bad = (size > ANY_REST_RADPS) | (lasting > max(LASTING_RADPS, usual))
     bad[0] |= first
-    jump = _jump_at(off)
-    if jump:
-        bad[jump:] = True
+    middles = np.array([readings.time_s[rest].mean() for rest in rests])
+    jump, drifts = _jump_at(off, middles)
+    bad[jump if jump else len(bad) :] = True
+    bad |= drifts
     if not bad.any():
         return
     flags = np.zeros(len(readings.time_s), np.bool_)
@@ -420,25 +374,33 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
         largest = float(np.rad2deg(np.linalg.norm(apart)))
         last, when = _time_of_jump(readings.time_s, rests, off, jump)
         what = (
-            f"reads {largest:.2f} deg/s more at rest from {when:.1f} s on than before: its offset "
-            "jumps; cut the recording there, or use another sensor"
+            f"reads another rate at rest from {when:.1f} s on than before, {largest:.2f} deg/s "
+            "apart: its offset jumps; cut the recording there, or use another sensor"
         )
         flags = recording.time_s >= last
         repair = partial(_rates_off, flags=recording.time_s >= when, rate_radps=-apart)
+    elif drifts:
+        largest = float(np.rad2deg(np.linalg.norm(off[-1] - off[0])))
+        what = (
+            f"reads another rate in the last rest than in the first, {largest:.2f} deg/s apart, "
+            "and others between them in turn: its offset drifts; let the sensor warm up, or use "
+            "another sensor"
+        )
+        flags = np.ones(len(recording), np.bool_)
+        repair = partial(_offsets_off, middles_s=middles, offsets=off)
     elif first and not bad[1:].any():
         what = (
-            f"reads {largest:.1f} deg/s more in the first rest than in the others: the frame moves "
-            "where rest was promised, and this passes for the gyroscope's offset; let it stand for "
-            "some seconds before the first step"
+            f"reads another rate in the first rest than in the others, {largest:.1f} deg/s apart: "
+            "the frame moves where rest was promised, and this passes for the gyroscope's offset; "
+            "let it stand for some seconds before it moves"
         )
         repair = partial(_rates_off, flags=flags, rate_radps=off[0])
     else:
         what = (
-            f"reads up to {largest:.1f} deg/s more at rest than in most rests: its offset changes, "
-            "or the frame is turned where it counts as still; let the sensor warm up, and the "
-            "frame stand between its moves"
+            f"reads another rate in some rests than in most, up to {largest:.1f} deg/s apart: its "
+            "offset changes, or the frame is turned where it counts as still; let the sensor warm "
+            "up, and the frame stand between its moves"
         )
-        middles = np.array([readings.time_s[rest].mean() for rest in rests])
         repair = partial(_offsets_off, middles_s=middles, offsets=off)
     label = f"{FRAME}_gyr"
     yield fault_of(
@@ -446,24 +408,34 @@ def _turning_rests(recording: Recording, readings: Readings) -> Iterator[Fault]:
     )
 
 
-def _jump_at(off: FloatArray) -> int:
-    """First rest after a jump of the offset; 0 if there is none."""
+def _jump_at(off: FloatArray, middles_s: FloatArray) -> tuple[int, bool]:
+    """First rest after a jump of the offset, 0 if there is none; and whether it drifts instead."""
     if len(off) < 2 * FEWEST_RESTS:
-        return 0
-    scatter = 1.48 * np.median(np.abs(np.diff(off, axis=0)), axis=0) / np.sqrt(2)
+        return 0, False
+    scatter = SD_BY_MEDIAN * np.median(np.abs(np.diff(off, axis=0)), axis=0) / np.sqrt(2)
+    scatter = np.maximum(scatter, LEAST_SCATTER_RADPS)
     sure = False
     for k in range(FEWEST_RESTS, len(off) - FEWEST_RESTS + 1):
         apart = np.abs(np.median(off[:k], axis=0) - np.median(off[k:], axis=0))
-        sd = 1.25 * np.maximum(scatter, 1e-6) * np.sqrt(1 / k + 1 / (len(off) - k))
+        sd = SD_OF_MEDIAN * scatter * np.sqrt(1 / k + 1 / (len(off) - k))
         sure |= bool((apart / sd).max() > JUMP_TIMES and np.linalg.norm(apart) > JUMP_RADPS)
     if not sure:
-        return 0
+        return 0, False
     # Medians hardly change with some rests of the other side: what is left beside them does.
     left = [
         sum(np.abs(part - np.median(part, axis=0)).sum() for part in (off[:k], off[k:]))
         for k in range(1, len(off))
     ]
-    return 1 + int(np.argmin(left))
+    if np.abs(off - _curve(off, middles_s)).sum() < min(left):
+        return 0, True
+    return 1 + int(np.argmin(left)), False
+
+
+def _curve(off: FloatArray, middles_s: FloatArray) -> FloatArray:
+    """Parabola through the rests' rates: as many numbers as a jump has, two levels and a time."""
+    when = middles_s - middles_s.mean()
+    fit = np.polynomial.polynomial.polyfit(when, off, 2)
+    return np.asarray(np.polynomial.polynomial.polyval(when, fit).T)
 
 
 def _time_of_jump(
@@ -542,10 +514,10 @@ def _misfits(recording: Recording, readings: Readings) -> Iterator[Fault]:
         flags[span] |= is_bad
     yield fault_of(
         recording, "at odds", FRAME, placed(flags, len(recording)),
-        f"does not fit together from rest to rest ({int(bad.sum())} times): gravity is up to "
-        f"{moves.tilt_deg.max():.1f} deg off the gyroscope's, and a velocity of up to "
-        f"{moves.speed_mps.max():.2g} m/s is left where the frame stands; check the units and axes "
-        "of both halves, and what happened there" + UNKNOWN,
+        f"does not fit together in {int(bad.sum())} moves: from rest to rest gravity turns up to "
+        f"{moves.tilt_deg.max():.1f} deg otherwise than the gyroscope reads, and the velocity that "
+        f"is left at rest is up to {moves.speed_mps.max():.2g} m/s; check the units and axes of "
+        "both halves, and what happened there" + UNKNOWN,
         size=float(moves.tilt_deg.max()), unit="deg",
     )  # fmt: skip
 
@@ -557,7 +529,7 @@ def _spikes(recording: Recording, readings: Readings, found: Sequence[Fault]) ->
         label = f"{FRAME}_{half}"
         known = np.zeros(count, np.bool_)
         for fault in found:
-            if fault.sensor.startswith(label):
+            if is_of_half(fault, half):
                 known |= fault.flags
         if known.all():
             continue
@@ -582,7 +554,7 @@ def _alone(values: FloatArray) -> FloatArray:
     step = np.diff(values, axis=0)
     up, down = step[:-1], step[1:]
     off = np.minimum(np.abs(up), np.abs(down))
-    usual = ndimage.median_filter(np.abs(step), (11, 1))[1:]
+    usual = ndimage.median_filter(np.abs(step), (AROUND, 1))[1:]
     alone = (np.sign(up) != np.sign(down)) & (np.abs(up + down) < AGREE * off)
     size[1:-1] = np.where(alone & (off > SPIKE_TIMES * usual), off, 0.0).max(axis=1)
     return size

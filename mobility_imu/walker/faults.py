@@ -31,13 +31,14 @@ from mobility_imu.walker.calibration import (
     calibrate_from_path,
     check_choices,
 )
-from mobility_imu.walker.fault_checks import FRAME, UNKNOWN, faults_of_readings, with_reach
+from mobility_imu.walker.fault_checks import faults_of_readings, is_held, steps_are_coarse
 from mobility_imu.walker.follow import LATEST_REST_S, checked_options, navigate_recording
-from mobility_imu.walker.gaps import gaps_in_moves, without_gaps
+from mobility_imu.walker.gaps import filled_samples, gaps_in_moves, is_of_a_gap, without_samples
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
 from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
+from mobility_imu.walker.reach import FRAME, UNKNOWN, with_reach
 from mobility_imu.walker.rest_checks import Readings
 from mobility_imu.walker.rounding import coarse_rates
 from mobility_imu.walker.sensor_errors import REST_WORDS
@@ -49,7 +50,10 @@ __all__ = ["find_faults", "find_tilt_faults", "not_told", "valid_samples"]
 
 NEGLIGIBLE = {"m": 1e-3, "deg": 0.01}
 """A range whose end costs less is not told: a sensor with coarse steps repeats its largest value by
-chance."""
+chance. A millimetre, and what turns 5 m by one: our choice, not swept."""
+MOST_FILLED = 0.5
+"""Part of a recording up to which straight lines are gaps; beyond it all was interpolated. Our
+choice, not swept."""
 TILTS_UNKNOWN = "; how the frame tilts there is not known, and the mount may be wrong"
 SAID = (
     (f"{FRAME}_acc is saturated in", "range", f"{FRAME}_acc", ""),
@@ -113,17 +117,19 @@ def find_faults(
         closed_loop=closed_loop,
         rests=known,
     )
-    found = [with_reach(fault, recording, stillness) for fault in examine(recording)]
+    filled = filled_samples(recording)
+    found = _of_sensors(recording, stillness, filled)
     try:
         path = path_of(recording)
     except InputError:
         return tuple(found)
     readings = _readings(recording, path.time_s, path.stationary)
-    for gap in gaps_in_moves(recording, path.stationary):
-        found.append(gap)
-        readings = without_gaps(readings, gap.flags)
-    found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
-    found += faults_of_path(recording, path, mount, found)
+    found += gaps_in_moves(recording, path.stationary, filled)
+    more = faults_of_readings(recording, readings, found, stillness)
+    found = _with_readings(recording, found, more)
+    # The limits of what a path shows are those of smoothed ones.
+    shown = path if smooth else replace(path_of(recording, smooth=True), warnings=path.warnings)
+    found += faults_of_path(recording, shown, mount, found)
     found += coarse_rates(recording, path, mount, found)
     found += _not_closed(recording, path, path_of)
 
@@ -170,7 +176,8 @@ def find_tilt_faults(
         recording, smooth=smooth, settings=settings, stillness=stillness
     )
     recording = _frame_of(recording)
-    found = [with_reach(fault, recording, stillness) for fault in examine(recording)]
+    filled = filled_samples(recording)
+    found = _of_sensors(recording, stillness, filled)
 
     def mount_of(changed: Recording) -> tuple[Navigation, WalkerCalibration]:
         path, warnings = navigate_recording(
@@ -192,10 +199,9 @@ def find_tilt_faults(
     except InputError:
         return tuple(_of_tilts(fault) for fault in found)
     readings = _readings(recording, path.time_s, path.still)
-    for gap in gaps_in_moves(recording, path.still):
-        found.append(gap)
-        readings = without_gaps(readings, gap.flags)
-    found = _with_readings(found, faults_of_readings(recording, readings, found, stillness))
+    found += gaps_in_moves(recording, path.still, filled)
+    more = faults_of_readings(recording, readings, found, stillness)
+    found = _with_readings(recording, found, more)
     found += faults_of_tilts(recording, stated.warnings, len(path.time_s), found)
     found = [_of_tilts(fault) for fault in found]
 
@@ -211,9 +217,9 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
     A rest brings velocity and tilt back, never place and heading. So a fault that nothing can undo,
     or that moves place (in space) or heading by more than their stated standard deviations at the
     end, leaves everything from the rest before its first sample on not valid: a smoother carries
-    the error back to there. One that costs less touches its own samples, or none if it lasts
-    throughout. One that could be undone, but whose cost is not known, touches its own samples, also
-    if these are all.
+    the error back to there. In a path without a smoother it is everything from its first sample on.
+    One that costs less touches its own samples, or none if it lasts throughout. One that could be
+    undone, but whose cost is not known, touches its own samples, also if these are all.
 
     A start that moves does not count, since the path begins after it. "At odds" beside another
     fault touches its own samples, as that fault may be its cause or not; a lasting one is, where
@@ -246,7 +252,7 @@ def valid_samples(found: Trajectory, faults: Iterable[Fault]) -> NDArray[np.bool
         lasts = _lasts(fault, found) and (alone or not odds)
         if lasts and touched.any():
             first = int(np.argmax(touched))
-            rested = np.flatnonzero(found.stationary[:first])
+            rested = np.flatnonzero(found.stationary[:first]) if found.smooth else [first]
             touched[rested[-1] if len(rested) else 0 :] = True
         if lasts or not fault.costs or not touched.all():
             valid &= ~touched
@@ -282,7 +288,7 @@ def _carried_back(
     stated: Trajectory,
     path_of: Callable[[Recording], Trajectory],
 ) -> Fault:
-    """Fault whose flags begin where it begins to move the path by more than its deviations.
+    """Fault that begins where it begins to move the path by more than its deviations.
 
     The smoother takes an offset that jumps for one that wanders, before the jump as well.
     """
@@ -300,11 +306,16 @@ def _carried_back(
     off = place > np.maximum(sd_m, NEGLIGIBLE["m"])
     off |= turned > np.maximum(stated.yaw_sd_rad[-count:], np.deg2rad(NEGLIGIBLE["deg"]))
     before = len(recording) - len(stated) + first
-    flags = fault.flags.copy()
     begin = len(recording) - count + int(np.argmax(off))
-    if off.any() and begin < before:
-        flags[begin:before] = True
-    return replace(fault, flags=flags)
+    if not off.any() or begin >= before:
+        return fault
+    flags, first_s = fault.flags.copy(), float(recording.time_s[begin])
+    flags[begin:before] = True
+    return replace(
+        fault, flags=flags, first_s=first_s,
+        sentence=f"{fault.sentence}; the path is off from {first_s:.2f} s on, since each of its "
+        "estimates uses what comes after it",
+    )  # fmt: skip
 
 
 def _checked(faults: Iterable[Fault], found: Trajectory | None = None) -> tuple[Fault, ...]:
@@ -376,11 +387,28 @@ def _frame_of(recording: Recording) -> Recording:
     return Recording(recording.time_s, frame, source=recording.source)
 
 
-def _with_readings(found: list[Fault], more: list[Fault]) -> list[Fault]:
-    """Faults together; a late half also looks like wrong signs, and like a frozen accelerometer."""
+def _of_sensors(
+    recording: Recording, stillness: StillnessSettings, filled: NDArray[np.bool_]
+) -> list[Fault]:
+    """Faults that any sensor may have, as the path sees them; what a filled gap shows is none.
+
+    A line has finer steps than a coarse sensor, whose rests then look frozen: with a gap counts
+    what is found without its samples as well.
+    """
+    found = [fault for fault in examine(recording) if not is_of_a_gap(fault, filled)]
+    if found and 0 < filled.mean() < MOST_FILLED:
+        short = {
+            (fault.code, fault.sensor) for fault in examine(without_samples(recording, filled))
+        }
+        found = [fault for fault in found if (fault.code, fault.sensor) in short]
+    return [with_reach(fault, recording, stillness) for fault in found]
+
+
+def _with_readings(recording: Recording, found: list[Fault], more: list[Fault]) -> list[Fault]:
+    """Faults together; a late half also looks like wrong signs, and in coarse steps like frozen."""
     codes = {fault.code for fault in more}
-    if "lag" in codes:
-        found = [f for f in found if (f.code, f.sensor) != ("frozen", f"{FRAME}_acc")]
+    if "lag" in codes and steps_are_coarse(recording, found):
+        found = [fault for fault in found if not is_held(fault)]
     if codes & {"lag", "reversed"}:
         found = [fault for fault in found if fault.code != "reversed"]
     return found + more

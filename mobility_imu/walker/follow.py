@@ -272,6 +272,6 @@ def _inconsistent_rests(path: Navigation, source: str) -> list[str]:
             "damaged?"
         ]
     return [
-        f"{excess} as they should be: does what rests move a little (unsteady hands, a foot), or "
-        "are axes exchanged, or signs reversed?"
+        f"{excess} as they should be: does the frame move a little at rest (unsteady hands, a "
+        "foot), or are axes exchanged, or signs reversed?"
     ]

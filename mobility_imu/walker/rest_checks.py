@@ -41,8 +41,9 @@ SIZES = np.array([0.02, 0.02, 0.02, 0.2, 0.2, 0.005])
 """Usual misfits of a frame that is lifted and set down (m/s, deg, m): simulated, "realistic"."""
 BACK_RAD = float(np.deg2rad(2.0))
 """Gravity's directions before and after a move are nearer if the frame stands on its tips again."""
-LARGEST_LAG_S = 1.0
-LAG_STEP_S = 0.1
+LARGEST_LAG_S, LAG_STEP_S = 1.0, 0.1
+"""Lags that are looked for, the length of a step, and their grid: a tenth of a move, from which the
+fit finds the way. Our choice, not swept."""
 FITS = 0.3
 """Where the best lag brings the misfits below this part of those without a gyroscope, the grid is
 not searched with the scale first as well. It saves time; our choice, not swept."""
@@ -70,6 +71,8 @@ accelerometer's (1 %, data sheets of cheap sensors). The last two are fitted so 
 pass for the first two; a frame that turns makes them all look alike."""
 LEAST = NO_ERROR - np.array([LARGEST_LAG_S, 0.99, *[1.0] * 3, *[0.1] * 3])
 MOST = NO_ERROR + np.array([LARGEST_LAG_S, 99.0, *[1.0] * 3, *[0.1] * 3])
+"""Bounds of the same errors, beyond all that is looked for: scales of 1/100 to 100, offsets of 100
+mg, axes askew by 6 deg."""
 NO_MORE = 1.5
 """Median rate in the moves, in times of that at rest, up to which a gyroscope says nothing. Our
 choice, not swept."""

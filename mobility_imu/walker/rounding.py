@@ -12,13 +12,14 @@ from mobility_imu.health import fault_of
 from mobility_imu.quality import resolution_of
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.fault_checks import BROKEN, FRAME
 from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.reach import FRAME, is_of_half, samples_unknown
 from mobility_imu.walker.trajectory import Trajectory
 
 __all__ = ["coarse_rates", "rounded_mean_sd"]
 
-HARMONICS = np.arange(1, 50)
+HARMONICS = np.arange(1, 200)
+"""Terms of the series; without noise those beyond are 0.2 % of the standard deviation."""
 SHORTEST_REST_S = 0.3
 """Shortest rest whose scatter counts. Our choice, not swept."""
 
@@ -63,7 +64,8 @@ def coarse_rates(
     recording : Recording with a sensor "frame"
     found : Trajectory of its last samples
     mount : WalkerMount
-    known : Fault, of the recording; a gyroscope that is frozen says nothing of its steps
+    known : Fault, of the recording; where the gyroscope is frozen or cut off, and in a gap that was
+        filled, the readings say nothing of its steps
 
     Yields
     ------
@@ -72,11 +74,8 @@ def coarse_rates(
     rates = recording.gyroscope(FRAME)[-len(found) :]
     interval_s = float(np.median(np.diff(found.time_s)))
     count = max(3, round(SHORTEST_REST_S / interval_s))
-    broken = np.zeros(len(recording), np.bool_)
-    for fault in known:
-        if fault.code in BROKEN and not fault.sensor.endswith("acc"):
-            broken |= fault.flags
-    broken = broken[-len(found) :]
+    silent = [fault for fault in known if fault.code == "gap" or is_of_half(fault, "gyr")]
+    broken = samples_unknown(silent, len(recording))[-len(found) :]
     rests = runs_of(long_runs(found.stationary & ~broken, count, grow=False))
     step = resolution_of(rates, skip=broken).step
     if not rests or not step.any():

@@ -11,9 +11,9 @@ from mobility_imu.runs import runs_of
 __all__ = ["bridged_rates"]
 
 BESIDE = 3
-"""Samples on either side of a cut that say how the rate goes on."""
+"""Samples on either side of a cut that say how the rate goes on. Our choice, not swept."""
 FARTHEST = 2.0
-"""The bridge stays below this multiple of the range."""
+"""The bridge stays below this multiple of the range. Our choice, not swept."""
 
 
 def bridged_rates(

@@ -32,10 +32,21 @@ OFF_SCALE_TIMES = 3.0
 """Standard deviations of the mount from which on it is told that the scale which the rests show
 moves it. Our choice, not swept."""
 REST_SD_MPS2, USUAL_SCALE, USUAL_OFFSET_MPS2 = 0.01, 0.05, 0.1
-"""Scatter of gravity's size in a rest, and errors of the accelerometer from which the rests choose:
-where they leave it open, the scale is at fault, which costs more."""
-SCALES_OF_ACC = (1, 10, 19)
-"""Numbers of the recordings of ``wrong_readings`` whose accelerometer has a wrong scale."""
+"""Scatter of gravity's size in a rest, 1 mg, and errors of the accelerometer from which the rests
+choose: 5 % of gravity and 10 mg, so that the scale is at fault, which costs more, where they leave
+it open. Our choices, not swept."""
+KINDS_OF_ERROR = [
+    (row, *kind)
+    for row in range(3)
+    for kind in [
+        ("offset", row),
+        *((half, column) for column in range(3) for half in ("acc", "gyr")),
+    ]
+]
+"""Errors of :func:`wrong_readings`, in its order: axis; the accelerometer's offset, or the half
+that mixes in another axis; and which. With its own axis it is the scale."""
+SCALES_OF_ACC = [k for k, error in enumerate(KINDS_OF_ERROR) if error[1:] == ("acc", error[0])]
+"""Numbers of the recordings of :func:`wrong_readings` whose accelerometer has a wrong scale."""
 
 
 def wrong_readings(recording: Recording, acc_bias_mps2: float) -> Iterator[Recording]:
@@ -51,15 +62,17 @@ def wrong_readings(recording: Recording, acc_bias_mps2: float) -> Iterator[Recor
     Recording; 21 of them
     """
     acc, gyr = recording.sensor("frame").acc_mps2, recording.gyroscope("frame")
-    for row in range(3):
-        offset = np.zeros(3)
-        offset[row] = acc_bias_mps2
-        yield Recording(recording.time_s, {"frame": Imu(acc + offset, gyr)})
-        for column in range(3):
-            mixing = np.eye(3)
+    for row, kind, column in KINDS_OF_ERROR:
+        mixing, offset = np.eye(3), np.zeros(3)
+        if kind == "offset":
+            offset[row] = acc_bias_mps2
+        else:
             mixing[row, column] += SCALE_SD if row == column else MISALIGNMENT_SD_RAD
-            yield Recording(recording.time_s, {"frame": Imu(acc @ mixing.T, gyr)})
-            yield Recording(recording.time_s, {"frame": Imu(acc, gyr @ mixing.T)})
+        if kind == "gyr":
+            wrong = Imu(acc, gyr @ mixing.T)
+        else:
+            wrong = Imu(acc @ mixing.T + offset, gyr)
+        yield Recording(recording.time_s, {"frame": wrong})
 
 
 def scale_at_rest(path: Navigation, recording: Recording) -> float:
@@ -102,8 +115,8 @@ def off_scale(scale: float, moved: FloatArray, place_sd: FloatArray) -> Iterator
         yield (
             f"{REST_WORDS} {abs(100 * scale):.1f} % too "
             f"{'much' if scale > 0 else 'little'}: if this is its scale, the IMU's position is "
-            f"wrong by about {np.linalg.norm(moved):.2g} m, {times:.1f} of the stated standard "
-            "deviations; calibrate the accelerometer, or use another sensor"
+            f"wrong by about {np.linalg.norm(moved):.2g} m, {times:.1f} times its stated standard "
+            "deviation; calibrate the accelerometer, or use another sensor"
         )
 
 

@@ -74,6 +74,7 @@ class Trajectory(Result):
         times the gyroscope's, and it allows for a resting frame that turns a little
     warnings : what the user should know
     settings, stillness : what it was found with; stillness is None if the rests were given
+    smooth : whether each estimate uses what comes after it
     """
 
     time_s: FloatArray
@@ -85,10 +86,12 @@ class Trajectory(Result):
     warnings: tuple[str, ...] = ()
     settings: NavigationSettings = field(default_factory=NavigationSettings, kw_only=True)
     stillness: StillnessSettings | None = field(default_factory=StillnessSettings, kw_only=True)
+    smooth: bool = field(default=True, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check that all are series of one length."""
         expect("settings", self.settings, NavigationSettings)
+        one_of("smooth", self.smooth, (True, False))
         if self.stillness is not None:
             expect("stillness", self.stillness, StillnessSettings)
         check_columns(self, "time_s", "yaw_sd_rad", flags=("stationary",))
@@ -316,6 +319,7 @@ def _estimate_one(
         mount,
         settings=settings,
         stillness=stillness,
+        smooth=smooth,
         warnings=warnings,
         closed_loop=closed_loop,
     )
@@ -323,10 +327,11 @@ def _estimate_one(
         found = replace(found, stillness=None)
     notes = [*found.warnings, *_without_rest(found)]
     if closed_loop is not None:
-        untied, _ = navigate_recording(
+        path, _ = navigate_recording(
             recording, smooth=False, settings=settings, stillness=stillness, rests=rests
         )
-        notes += _not_closed(trajectory_from_path(untied, mount, settings=settings), closed_loop)
+        untied = trajectory_from_path(path, mount, settings=settings, smooth=False)
+        notes += _not_closed(untied, closed_loop)
     return replace(found, warnings=tuple(notes))
 
 
@@ -399,6 +404,7 @@ def trajectory_from_path(
     *,
     settings: NavigationSettings | None = None,
     stillness: StillnessSettings | None = None,
+    smooth: bool = True,
     warnings: Sequence[str] = (),
     closed_loop: ClosedLoop | None = None,
 ) -> Trajectory:
@@ -408,7 +414,7 @@ def trajectory_from_path(
     ----------
     path : Navigation
     mount : WalkerMount
-    settings, stillness : what the path was found with; the result carries them
+    settings, stillness, smooth : what the path was found with; the result carries them
     warnings : of the path; they stand first on the result
     closed_loop : that the path was found with
 
@@ -442,6 +448,7 @@ def trajectory_from_path(
         tuple(notes),
         settings=settings_or_default("settings", settings, NavigationSettings),
         stillness=settings_or_default("stillness", stillness, StillnessSettings),
+        smooth=smooth,
     )
 
 

@@ -1,9 +1,12 @@
 """Walker: an axis and an arm fitted to an arc."""
 
+import inspect
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.walker.arc_fit import fit_arc
+from mobility_imu.frames import as_rotation
+from mobility_imu.walker.arc_fit import TOLERANCE, fit_arc
 
 
 def test_arc_fit_finds_axis_and_arm():
@@ -19,3 +22,8 @@ def test_arc_fit_finds_axis_and_arm():
     sd = np.sqrt(np.linalg.eigvalsh(fit.covariance_m2)[1:])
     assert np.linalg.norm(off) < 4 * np.linalg.norm(sd) and sd.max() < 0.002
     assert 0.001 < fit.residual_m < 0.0025
+
+
+def test_many_rotations_are_checked_as_one_is():
+    """The tolerance is that of the check of a single rotation."""
+    assert inspect.signature(as_rotation).parameters["tolerance"].default == TOLERANCE

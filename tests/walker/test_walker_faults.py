@@ -89,12 +89,23 @@ def test_nothing_is_found_where_nothing_is_wrong(level):
     assert valid_samples(path(level), ()).all()
 
 
+ADVICE = (
+    "leave these times out", "use another sensor", "choose a wider range", "remove them",
+    "calibrate the mount again", "read both halves with one clock", "check the export's axes",
+)  # fmt: skip
+"""What a sentence ends with: what the reader does next."""
+
+
 @pytest.mark.parametrize("kind", CLEAR)
 def test_a_clear_fault_is_named(kind):
     code, change = CLEAR[kind]
-    found = found_in(change(walked().walk.recording))
-    assert code in {fault.code for fault in found}, found
-    assert all(fault.flags.any() and fault.sentence for fault in found)
+    faulty = change(walked().walk.recording)
+    found = found_in(faulty)
+    # And nothing else, but for rests that do not fit because of it.
+    assert [fault.code for fault in found if fault.code != "at odds"] == [code], found
+    for fault in found:
+        assert fault.flags.any() and fault.first_s == faulty.time_s[fault.flags.argmax()]
+        assert fault.code == "at odds" or any(words in fault.sentence for words in ADVICE)
     pickle.loads(pickle.dumps(found))
 
 
@@ -104,7 +115,7 @@ def test_a_clear_fault_is_named(kind):
      "early", "reversed", "leans", "turned aside"],
 )  # fmt: skip
 def test_the_stated_cost_is_what_the_fault_moves(kind):
-    """Within a factor of two, of whichever result it moves more."""
+    """Within 30 %, of each result that it moves by more than the standard deviation at the end."""
     code, change = CLEAR[kind]
     faulty = change(walked().walk.recording)
     moved = estimate_trajectory(faulty, walked().tape, walked().mount)
@@ -123,9 +134,12 @@ def test_the_stated_cost_is_what_the_fault_moves(kind):
     real = {"place": place.max(), "heading": np.rad2deg(heading).max()}
     (fault,) = [one for one in found_in(faulty) if one.code == code][:1]
     stated = {cost.name: cost.largest for cost in fault.costs}
-    name = "heading" if real["heading"] > 1.0 else "place"
-    assert 0.5 < stated[name] / real[name] < 2.0
-    assert f"the {name} by up to" in fault.told
+    sds = np.linalg.norm(moved.position_sd_m[-1]), np.rad2deg(moved.yaw_sd_rad[-1])
+    names = [name for name, sd in zip(real, sds, strict=True) if real[name] > sd]
+    assert "place" in names
+    for name in names:
+        assert 1 / 1.3 < stated[name] / real[name] < 1.3
+        assert f"the {name} by up to" in fault.told
 
 
 @pytest.mark.parametrize("kind", ["gyroscope freezes", "gyroscope dies", "axis dies"])
@@ -178,7 +192,7 @@ def test_a_frame_that_rolls_is_told():
         motion = rolling_motion(seed)
         recording = shaken(walk.followed(motion).recording, motion, shaking, seed)
         codes = {fault.code for fault in found_in(recording)}
-        assert codes & {"rolls", "no rest"}, (shaking, codes)
+        assert codes == {"rolls"}, (shaking, codes)
 
 
 def test_a_foot_is_told_unless_the_settings_are_those_of_a_foot():
@@ -219,6 +233,18 @@ def test_tilts_stated_half_a_turn_off_cannot_be_told_apart_before_a_walk():
     assert find_tilt_faults(walk.tilts.recording, walk.tape, order=half) == ()
     mount = calibrate_mount(walk.tilts.recording, walk.tape, order=half).mount
     assert "turned" in {fault.code for fault in found_in(walk.walk.recording, mount)}
+
+
+@pytest.mark.parametrize("degrees", [15.0, 90.0, -120.0, 180.0])
+def test_a_mount_is_told_by_the_angle_that_it_is_turned_by(degrees):
+    """Its IMU lies elsewhere than it says, so that steps which turn seem to go another way."""
+    wrong = turned(walked().walk.recording, [0.0, 0.0, degrees])
+    (fault,) = [f for f in found_in(wrong) if f.code == "turned"]
+    assert abs((fault.size - degrees + 180) % 360 - 180) < 1.0
+    side = "left" if fault.size > 0 else "right"
+    assert f"steps {abs(fault.size):.0f} deg to the {side}" in fault.sentence
+    mended = estimate_trajectory(fault.repair(wrong), walked().tape, walked().mount)
+    assert np.linalg.norm(mended.position_m - path().position_m, axis=1).max() < 0.1
 
 
 def test_nothing_is_said_twice():
