@@ -133,7 +133,7 @@ def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:
             whole = np.ones(len(values), np.bool_)
             yield fault_of(
                 recording, "dead axis", f"{label}_{'xyz'[k]}", whole,
-                f"is {values[0, k]:g} {unit} throughout, while other axes move: it is dead; "
+                f"is {values[0, k] + 0.0:g} {unit} throughout, while other axes move: it is dead; "
                 "use another sensor",
             )  # fmt: skip
         yield from _stuck(recording, name, half, frozen, unit)
