@@ -224,6 +224,7 @@ def _streams_of_several(
     """Format and sensors of several files, each with its sensor's name, or without one."""
     clock = next((value for sensor, value in parts if sensor == CLOCK), None)
     parts = [(sensor, file) for sensor, file in parts if sensor != CLOCK]
+    asked = asked._replace(own_clocks=clock == OWN_CLOCK)
     each = map_path is not None or clock == OWN_CLOCK
     streams = [] if each else _streams_of_one_receiver(parts, asked, clock)
     files = [(stream.source, False) for stream in streams]

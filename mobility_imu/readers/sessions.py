@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from mobility_imu.errors import InputError
@@ -34,6 +35,9 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
     Known are sessions of x-io (a folder for each sensor, with ``sensors.csv`` or
     ``Inertial.csv``; one such folder by itself) and exports of Sensor Logger and phyphox.
 
+    Recordings of x-io with one sensor each, side by side, look like one session: a warning names
+    the folders that were taken as such.
+
     Parameters
     ----------
     path : folder or archive
@@ -47,7 +51,7 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
     Raises
     ------
     InputError
-        If it is no such session, or holds several recordings.
+        If it is no such session, or holds several recordings that can be told apart.
     """
     names, read = _opened(path)
     texts: dict[str, str] = {}
@@ -85,6 +89,13 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
             label = PurePosixPath(name).parent.name or path.stem
             (stream,) = read_xio(text(name), f"{path.name}/{name}", asked)
             streams.append(stream.called(label))
+        if len(streams) > 1 and not asked.own_clocks:
+            said = (
+                f"{path}: sensors in {listed(str(folder) for folder in sorted(of_xio))} taken as "
+                "one session on one clock; if they are recordings of their own, give one of these "
+                "folders by itself"
+            )
+            streams[0] = replace(streams[0], warnings=(*streams[0].warnings, said))
         return "x-io session", tuple(streams)
     if recordings:
         form, folder = recordings[0]

@@ -135,9 +135,11 @@ class Asked(NamedTuple):
     Parameters
     ----------
     sampling_rate_hz : Hz, or None
+    own_clocks : whether each sensor has a clock of its own, also within a session
     """
 
     sampling_rate_hz: float | None = None
+    own_clocks: bool = False
 
     def rate(self, source: str, what: str, hint: str = "") -> float:
         """Sampling rate that the user gave, for a file that has no clock.

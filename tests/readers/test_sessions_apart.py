@@ -8,6 +8,9 @@ import pytest
 from test_dialects import assert_same, made, quietly
 
 from mobility_imu.errors import InputError
+from mobility_imu.readers.recordings import understand
+from mobility_imu.readers.sessions import read_session
+from mobility_imu.readers.streams import Asked
 
 
 def packed(folder):
@@ -25,6 +28,13 @@ def study(folder, write, names=("P1", "P2")):
     return folder
 
 
+def one_ngimu(recording, folder):
+    inner = next(dialects.ngimu(recording, folder).glob("NGIMU*"))
+    for file in inner.iterdir():
+        file.rename(folder / file.name)
+    inner.rmdir()
+
+
 def of_ios(recording, folder):
     return dialects.sensor_logger(recording, folder, platform="ios")
 
@@ -36,6 +46,19 @@ def test_two_phones_in_one_folder_are_not_mixed(tmp_path, write, zipped):
     with pytest.raises(InputError, match=r"holds 2 recordings: P1 \(.*\), P2 \(.*one of these"):
         quietly(packed(folder) if zipped else folder)
     assert_same(quietly(folder / "P2"), made(seed=1))
+
+
+@pytest.mark.parametrize("zipped", [False, True], ids=["folder", "archive"])
+@pytest.mark.parametrize("write", [dialects.ximu3, one_ngimu])
+def test_sensors_that_are_taken_as_one_session_are_told_with_their_folders(tmp_path, write, zipped):
+    """Two recordings of one sensor each lie as two sensors of one session do."""
+    folder = study(tmp_path / "day", write, names=("walk1", "walk2"))
+    path = packed(folder) if zipped else folder
+    (said,) = understand(path).warnings
+    assert said.startswith(f"{path}: sensors in walk1, walk2 taken as one session on one clock; if")
+    assert understand(folder / "walk2").warnings == ()
+    _, streams = read_session(path, Asked(own_clocks=True))
+    assert [stream.warnings for stream in streams] == [(), ()]
 
 
 def test_two_sessions_of_x_io_are_not_mixed(tmp_path):
