@@ -11,7 +11,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.readers.clocks import check_rate
 from mobility_imu.readers.layout import comma_separated
-from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.streams import LOCAL, Asked, Stream
 from mobility_imu.readers.table import parse_numbers
 
 ACCELEROMETER = [f"Accelerometer {axis}" for axis in "XYZ"]
@@ -74,6 +74,7 @@ def read_actigraph(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
             rate_from="the file's head",
             counted=True,
             epoch_s=_epoch(lines),
+            epoch_in=LOCAL,
         ),
     )
 

@@ -314,7 +314,11 @@ def _by_movement(
     if len(groups) == 1 and len(streams) > 1 and apart:
         if BELIEVED in clocks:
             spans = _spans({name: stream.time_s for name, stream in streams.items()})
-            raise InputError(f"{source}: the sensors share no time ({spans}); leave out {BELIEVED}")
+            told = [sentence for stream in streams.values() for sentence in stream.warnings]
+            moved = "".join(f"; {text}" for text in told if text.startswith(f"{BELIEVED}: "))
+            raise InputError(
+                f"{source}: the sensors share no time ({spans}){moved}; leave out {BELIEVED}"
+            )
         if not any(stream.counted for stream in streams.values()):
             groups = [[name] for name in streams]
     if len(groups) <= 1:

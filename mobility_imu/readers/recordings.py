@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 MOST_SENSORS = 12
 CLOCK, SAME_CLOCK, OWN_CLOCK = "clock", "same", "own"
 """``clock=same`` among several files: their stamps come from one clock, or from one trigger; where
-all files tell the time of day, their times count from it.
+all files tell the time of day, all in UTC or all in local time, their times count from it.
 ``clock=own``: each sensor has a clock of its own, also where a file or session holds several."""
 XSENS = "Xsens MT Manager"
 PAIR = r"\s*(\w+)\s*=\s*(.+)"
@@ -258,12 +258,14 @@ def _streams_of_several(
 def _begun(streams: Sequence[Stream], files: Sequence[tuple[str, bool]]) -> Sequence[Stream]:
     """Streams whose times count from one moment, by the times of day in their files if all tell.
 
-    Where not all do, a warning names those whose times count from their file's start.
+    Where not all do, or some in UTC and some in local time, a warning names those whose times count
+    from their file's start.
     """
     if len({file for file, _ in files}) < 2:
         return streams
     epochs = [stream.epoch_s for stream in streams if stream.epoch_s is not None]
-    if len(epochs) == len(streams):
+    kinds = {stream.epoch_in: stream.label for stream in streams if stream.epoch_s is not None}
+    if len(epochs) == len(streams) and len(kinds) == 1:
         later = [float(stream.epoch_s or 0.0) - min(epochs) for stream in streams]
         told = ", ".join(f"{s.label} {t:+.3f} s" for s, t in zip(streams, later, strict=True))
         said = f"begins by the times of day in the files: {told}"
@@ -278,6 +280,9 @@ def _begun(streams: Sequence[Stream], files: Sequence[tuple[str, bool]]) -> Sequ
         said = (
             f"times of {listed(own)} count from their file's start; did the files begin together?"
         )
+        if len(kinds) > 1:
+            told = " and ".join(f"{kind} ({label})" for kind, label in sorted(kinds.items()))
+            said = f"the files tell the time of day in {told}, so it is not used; {said}"
     said = f"{CLOCK}={SAME_CLOCK}: {said}"
     return [replace(streams[0], warnings=(*streams[0].warnings, said)), *streams[1:]]
 

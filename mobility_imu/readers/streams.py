@@ -26,6 +26,8 @@ GIVEN = "given"
 """Where the rate of streams comes from whose file states none: from the user."""
 BELIEVED = "clock=same"
 """Clock of streams whose stamps are believed, because the user says so."""
+UTC, LOCAL = "UTC", "local time"
+"""What a time of day is in; local time differs from UTC by hours, which no file tells."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -51,6 +53,7 @@ class Stream(Result):
         :data:`BELIEVED` if the user says that they do
     epoch_s : s, what is added to the times for a clock that other files share, such as the wall
         clock; None if the file does not tell it
+    epoch_in : what that clock shows, :data:`UTC` or :data:`LOCAL`
     gap_why : why the times have a gap that the file's own stamps do not show
 
     Raises
@@ -70,6 +73,7 @@ class Stream(Result):
     clock: str = field(default="", kw_only=True)
     file_label: str | None = field(default=None, kw_only=True)
     epoch_s: float | None = field(default=None, kw_only=True)
+    epoch_in: str = field(default=UTC, kw_only=True)
     gap_why: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:

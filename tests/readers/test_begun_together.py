@@ -60,14 +60,18 @@ def actigraphs(recording, folder):
         yield f"{name}={file}"
 
 
+def experiment(recording, folder, late_s=0.0):
+    phone = dialects.phyphox(recording, folder)
+    (phone / "meta" / "time.csv").write_text(
+        f'"event","experiment time","system time"\n"START",0,{1715100946.5 + late_s}\n'
+    )
+    return phone
+
+
 def experiments(recording, folder):
     for k, name in enumerate(recording.sensors):
         (folder / name).mkdir()
-        phone = dialects.phyphox(of(recording, name, 200 * k), folder / name)
-        (phone / "meta" / "time.csv").write_text(
-            f'"event","experiment time","system time"\n"START",0,{1715100946.5 + LATE_S * k}\n'
-        )
-        yield f"{name}={phone}"
+        yield f"{name}={experiment(of(recording, name, 200 * k), folder / name, LATE_S * k)}"
 
 
 @pytest.mark.parametrize("write", [phones, actigraphs, experiments])
@@ -85,8 +89,23 @@ def test_times_of_day_in_the_files_say_which_began_later(tmp_path, write):
 def test_files_of_different_hours_share_no_time(tmp_path):
     parts = list(actigraphs(made(("lever", "body"), count=1000), tmp_path))
     changed(tmp_path / "body" / "actigraph.csv", "T08:58:", "T09:30:")
-    with pytest.raises(InputError, match="share no time"):
+    moved = r"share no time \(.*\); clock=same: begins by .*: lever \+0\.000 s, body \+1922\.000 s;"
+    with pytest.raises(InputError, match=moved):
         quietly([*parts, "clock=same"])
+
+
+@pytest.mark.parametrize("write", [dialects.sensor_logger, experiment])
+def test_local_time_is_not_taken_for_utc(tmp_path, write):
+    """ActiGraph writes the time on the wall, phones count from 1970 in UTC: hours apart."""
+    recording = made(("lever", "body"))
+    (tmp_path / "body").mkdir()
+    body = write(of(recording, "body"), tmp_path / "body")
+    lever = dialects.actigraph(of(recording, "lever"), tmp_path)
+    found = understand([f"lever={lever}", f"body={body}", "clock=same"])
+    (said,) = [w for w in found.warnings if w.startswith("clock=same: ")]
+    assert "the time of day in UTC (body) and local time (lever), so it is not used" in said
+    assert said.endswith("count from their file's start; did the files begin together?")
+    assert len(found.recording) == len(recording)
 
 
 def test_the_head_tells_the_start_where_no_row_does(tmp_path):
