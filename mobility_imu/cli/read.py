@@ -21,7 +21,8 @@ def read(
         typer.Argument(
             help="A file, a session's folder or archive, the common beginning of the names of "
             "Xsens exports, or several files, which are put on one clock: lever=a.csv body=b.csv "
-            "[clock=same|own]."
+            "[clock=same|own|start]: stamps of one clock, clocks of their own, or files that a "
+            "trigger began together."
         ),
     ],
     output: Annotated[

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import GAP_FACTOR, FloatArray, as_number, shown
-from mobility_imu.readers.streams import BELIEVED, Stream
+from mobility_imu.readers.streams import BELIEVED, STARTED, Stream
 from mobility_imu.readers.wording import quoted
 from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu, Recording
 
@@ -312,12 +312,13 @@ def _by_movement(
     begin = max(float(stream.time_s.min()) for stream in streams.values())
     apart = begin >= min(float(stream.time_s.max()) for stream in streams.values())
     if len(groups) == 1 and len(streams) > 1 and apart:
-        if BELIEVED in clocks:
+        given = next((clock for clock in (BELIEVED, STARTED) if clock in clocks), None)
+        if given is not None:
             spans = _spans({name: stream.time_s for name, stream in streams.items()})
             told = [sentence for stream in streams.values() for sentence in stream.warnings]
-            moved = "".join(f"; {text}" for text in told if text.startswith(f"{BELIEVED}: "))
+            moved = "".join(f"; {text}" for text in told if text.startswith(f"{given}: "))
             raise InputError(
-                f"{source}: the sensors share no time ({spans}){moved}; leave out {BELIEVED}"
+                f"{source}: the sensors share no time ({spans}){moved}; leave out {given}"
             )
         if not any(stream.counted for stream in streams.values()):
             groups = [[name] for name in streams]

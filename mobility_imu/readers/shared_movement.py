@@ -43,7 +43,7 @@ LONGEST_S = 8 * 3600.0
 """Of a recording; a longer one is to be cut."""
 MOST_FILLED = 4.0
 """Times its samples that a sensor could have had in its time; more is a clock that jumps."""
-SAY_SAME = "add clock=same if the files share a start or a trigger"
+SAY_SAME = "add clock=same if the stamps are of one clock, clock=start if the files began together"
 
 
 class Signals(NamedTuple):

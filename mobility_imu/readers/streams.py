@@ -26,6 +26,8 @@ GIVEN = "given"
 """Where the rate of streams comes from whose file states none: from the user."""
 BELIEVED = "clock=same"
 """Clock of streams whose stamps are believed, because the user says so."""
+STARTED = "clock=start"
+"""Clock of streams whose files began at one moment, because the user says so."""
 UTC, LOCAL = "UTC", "local time"
 """What a time of day is in; local time differs from UTC by hours, which no file tells."""
 
@@ -50,7 +52,8 @@ class Stream(Result):
     rate_from : where the sampling rate comes from
     counted : whether the times count samples, so that every step longer than one is a loss
     clock : which clock the stamps come from; streams with the same name here share one.
-        :data:`BELIEVED` if the user says that they do
+        :data:`BELIEVED` if the user says that they do, :data:`STARTED` if the user says that the
+        files began together
     epoch_s : s, what is added to the times for a clock that other files share, such as the wall
         clock; None if the file does not tell it
     epoch_in : what that clock shows, :data:`UTC` or :data:`LOCAL`

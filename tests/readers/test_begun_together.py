@@ -3,7 +3,7 @@
 import dialects
 import numpy as np
 import pytest
-from test_dialects import RATE_HZ, made, quietly
+from test_dialects import RATE_HZ, assert_same, made, quietly
 
 from mobility_imu.errors import InputError
 from mobility_imu.readers.actigraph import read_actigraph
@@ -84,6 +84,51 @@ def test_times_of_day_in_the_files_say_which_began_later(tmp_path, write):
     assert count == pytest.approx(800, abs=2)
     np.testing.assert_allclose(lever, recording.sensor("lever").acc_mps2[200:][:count], atol=2e-3)
     np.testing.assert_allclose(body, recording.sensor("body").acc_mps2[200:][:count], atol=2e-3)
+
+
+@pytest.mark.parametrize("write", [phones, actigraphs, experiments])
+def test_files_that_a_trigger_began_whose_clocks_on_the_wall_differ(tmp_path, write):
+    """The first samples are of one moment, whatever the time of day in the files."""
+    recording = made(("lever", "body"), count=1000)
+    parts = list(write(recording, tmp_path))
+    found = understand([*parts, "clock=start"])
+    (said,) = [w for w in found.warnings if "one moment" in w]
+    assert (
+        said == "clock=start: the first samples of the files of lever, body are taken as one moment"
+    )
+    lever, body = (found.recording.sensor(n).acc_mps2 for n in ("lever", "body"))
+    count = len(lever)
+    assert count == pytest.approx(800, abs=2)
+    np.testing.assert_allclose(lever, recording.sensor("lever").acc_mps2[:count], atol=2e-3)
+    np.testing.assert_allclose(body, recording.sensor("body").acc_mps2[200:][:count], atol=2e-3)
+    assert found.lags == {}
+
+
+def test_stamps_of_any_kind_begin_at_one_moment(tmp_path):
+    """Seconds since switching on, packets of one receiver; sensors of one file stay together."""
+    recording = made(("frame", "left_wheel"))
+    frame = dialects.ximu3(of(recording, "frame"), tmp_path)
+    both = dialects.lpms(recording, tmp_path)
+    parts = [f"frame={frame}", f"left_wheel={both}#2", "clock=start"]
+    assert_same(quietly(parts), recording, tolerance=1e-5)
+    dialects.xsens_mt(recording, tmp_path)
+    left = tmp_path / "MT-LeftWheel.txt"
+    lines = left.read_text().split("\n")
+    left.write_text("\n".join([*lines[:3], *lines[53:]]))
+    found = quietly([tmp_path / "MT-Frame.txt", left, "clock=start"], sampling_rate_hz=RATE_HZ)
+    assert len(found) == pytest.approx(len(recording) - 50, abs=1)
+    for name, begin in (("frame", 0), ("left_wheel", 50)):
+        expected = recording.sensor(name).acc_mps2[begin:][: len(found)]
+        np.testing.assert_allclose(found.sensor(name).acc_mps2, expected, atol=1e-6)
+    lines = both.read_text().rstrip().split("\n")
+    moved = [
+        line for line in lines[1:] if line.split(",")[0] == "1" or float(line.split(",")[1]) >= 1
+    ]
+    both.write_text("\n".join([lines[0], *moved, ""]))
+    names = [f"frame={both}#1", f"left_wheel={both}#2", "clock=start"]
+    found = understand(names)
+    assert len(found.recording) == pytest.approx(len(recording) - 100, abs=1)
+    assert not any("one moment" in text for text in found.warnings)
 
 
 def test_files_of_different_hours_share_no_time(tmp_path):

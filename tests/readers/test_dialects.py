@@ -127,7 +127,7 @@ def test_a_common_clock_is_believed(tmp_path):
     assert_same(quietly(",".join([*parts, "clock=same"])), both)
     assert len(recording_files([*parts, "clock=same"])) == 2
     for wrong, says in (
-        ([*parts, "clock=mine"], "clock=mine: expected clock=same or clock=own"),
+        ([*parts, "clock=mine"], "clock=mine: expected clock=same, clock=own or clock=start"),
         ([*parts, *parts], "named twice"),
         (["clock=same", "clock=own"], "named twice"),
         (["a.csv"] * 13, "13 files, expected at most 12"),
