@@ -288,7 +288,8 @@ def one_clock(
         longest = max(fill_gaps_s, longest_silent_gap(float(np.median(step))))
         if step.max() > longest:
             k = int(np.argmax(step))
-            why = f": {stream.gap_why}" if stream.gap_why else ""
+            at_gap = (why for j, why in stream.gap_why.items() if stream.time_s[j] == stamps[k])
+            why = "".join(f": {text}" for text in at_gap)
             raise InputError(
                 f"{source}, {name}: gap of {step[k]:.3g} s after {stamps[k] - stamps[0]:.2f} s "
                 f"({int((step > longest).sum())} longer than {longest:.3g} s){why}; give "
@@ -316,9 +317,9 @@ def _by_movement(
         if given is not None:
             spans = _spans({name: stream.time_s for name, stream in streams.items()})
             told = [sentence for stream in streams.values() for sentence in stream.warnings]
-            moved = "".join(f"; {text}" for text in told if text.startswith(f"{given}: "))
+            shifts = "".join(f"; {text}" for text in told if text.startswith(f"{given}: "))
             raise InputError(
-                f"{source}: the sensors share no time ({spans}){moved}; leave out {given}"
+                f"{source}: the sensors share no time ({spans}){shifts}; leave out {given}"
             )
         if not any(stream.counted for stream in streams.values()):
             groups = [[name] for name in streams]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -57,7 +57,7 @@ class Stream(Result):
     epoch_s : s, what is added to the times for a clock that other files share, such as the wall
         clock; None if the file does not tell it
     epoch_in : what that clock shows, :data:`UTC` or :data:`LOCAL`
-    gap_why : why the times have a gap that the file's own stamps do not show
+    gap_why : why there is a gap that the file's own stamps do not show, by the sample before it
 
     Raises
     ------
@@ -77,7 +77,7 @@ class Stream(Result):
     file_label: str | None = field(default=None, kw_only=True)
     epoch_s: float | None = field(default=None, kw_only=True)
     epoch_in: str = field(default=UTC, kw_only=True)
-    gap_why: str = field(default="", kw_only=True)
+    gap_why: Mapping[int, str] = field(default_factory=dict, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check shapes and numbers."""
