@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import read_input, tell_faults
+from mobility_imu.cli.inputs import naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
 from mobility_imu.errors import InputError
@@ -118,7 +118,8 @@ def _judged(
 
     faults = find_faults(recording, geometry, mount, settings)
     tell_faults(faults, strict)
-    found = mark_faults(estimate_ride(recording, geometry, mount, settings), faults)
+    with naming(faults):
+        found = mark_faults(estimate_ride(recording, geometry, mount, settings), faults)
     # The estimate says of some sensors what was told with its cost.
     words = {"frozen": "frozen", "range": "saturated", "no gravity": "weightless"}
     words["scale"] = "out of scale"
@@ -185,9 +186,10 @@ def calibrate(
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
     recordings = [read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz) for path in parked]
-    for recording in recordings:
-        tell_faults(find_faults(recording, scooter), strict)
-    found = calibrate_mount(recordings, settings, scooter)
+    faults = [fault for recording in recordings for fault in find_faults(recording, scooter)]
+    tell_faults(faults, strict)
+    with naming(faults):
+        found = calibrate_mount(recordings, settings, scooter)
     if strict and found.severe:
         by_file = found.severe[0].startswith(tuple(one.source for one in recordings))
         raise InputError(found.severe[0] if by_file else f"{poses}: {found.severe[0]}")
@@ -247,8 +249,10 @@ def check(
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad = read_poses(poses)
     recording = read_input(parked, "scooter", sampling_rate_hz=sampling_rate_hz)
-    tell_faults(find_faults(recording, scooter, mount, RideSettings(method=method)), strict)
-    found = check_poses(recording, set_rad, scooter, mount, settings)
+    faults = find_faults(recording, scooter, mount, RideSettings(method=method))
+    tell_faults(faults, strict)
+    with naming(faults):
+        found = check_poses(recording, set_rad, scooter, mount, settings)
     written = []
     if output is not None:
         outputs.write({output: csv_bytes(found.to_frame(), output)})

@@ -95,8 +95,8 @@ def velocity(
         found = estimate_velocity(
             drive, chair, calibration.mount, settings, offsets=calibration.offsets
         )
-    if smoothing != "none":
-        found = _with_smoothing_sd(found, read, chair, settings, smoothing, of_filter)
+        if smoothing != "none":
+            found = _with_smoothing_sd(found, read, chair, settings, smoothing, of_filter)
     found = with_valid(found, faults)
     _warn_of_calibration(calibration, line, of_line)
     warn(not_told(found, drive, chair, calibration.mount, faults))
