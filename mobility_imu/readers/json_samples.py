@@ -61,7 +61,8 @@ def read_json_samples(text: str, source: str, asked: Asked) -> tuple[Stream, ...
         f"{source}: states no units; taken in g, deg/s and s. If they are others, state them in a "
         "map (mobility-imu read --map)"
     )
-    found = stream_in_g_and_degrees(table, table.numbers[:, 0], ACCELEROMETER, GYROSCOPE)
+    time_s = table.columns(KEYS[:1], finite=True)[:, 0]
+    found = stream_in_g_and_degrees(table, time_s, ACCELEROMETER, GYROSCOPE)
     return (replace(found, warnings=(*found.warnings, said)),)
 
 

@@ -218,6 +218,6 @@ def _halves(text: str, source: str) -> tuple[Half | None, Half | None]:
             found.append(None)
             continue
         table = parse_numbers(text, source=source, wanted={TIME, *triple.names}.__contains__)
-        time_s = table.columns([TIME])[:, 0]
+        time_s = table.columns([TIME], finite=True)[:, 0]
         found.append(Half(time_s, vectors(table, triple, quantity), source))
     return found[0], found[1]

@@ -161,4 +161,5 @@ def _half(text: str, source: str) -> Half:
             raise InputError(f"{source}: no column {axis} (it has: {listed(names)})")
         columns.append(found[0])
     table = parse_numbers(text, source=source, wanted={ELAPSED, *columns}.__contains__)
-    return Half(table.columns([ELAPSED])[:, 0], table.columns(columns), source)
+    time_s = table.columns([ELAPSED], finite=True)[:, 0]
+    return Half(time_s, table.columns(columns, finite=True), source)
