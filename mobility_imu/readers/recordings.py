@@ -25,7 +25,7 @@ from mobility_imu.readers.prefixes import (
     xsens_parts,
 )
 from mobility_imu.readers.sessions import NoSession, is_session, read_session, session_files
-from mobility_imu.readers.streams import BELIEVED, STARTED, Asked, Stream
+from mobility_imu.readers.streams import BELIEVED, STARTED, Asked, Stream, held_warnings
 from mobility_imu.readers.table import read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.readers.xsens_mt import (
@@ -164,7 +164,7 @@ def understand(
     said = (*said, *asked.unused(streams))
     for name, stream in named.items():
         whose = stream.source if len(named) == 1 else f"{stream.source}, {name}"
-        said += stream.held_warnings(whose)
+        said += held_warnings(stream.time_s, stream.acc_mps2, whose)
     recording, found, lags = one_clock(named, source, fill_gaps_s=fill_gaps_s)
     return Reading(
         recording,

@@ -101,21 +101,6 @@ class Stream(Result):
         """Return the number of samples."""
         return len(self.time_s)
 
-    def held_warnings(self, whose: str) -> tuple[str, ...]:
-        """Whether most of its rows repeat the one before.
-
-        As :func:`mobility_imu.readers.streams.held_warnings` judges.
-
-        Parameters
-        ----------
-        whose : file and sensor, for the message
-
-        Returns
-        -------
-        tuple of str, empty or with one sentence
-        """
-        return held_warnings(self.time_s, self.acc_mps2, whose)
-
     def called(self, label: str, *, clock: str | None = None) -> Stream:
         """The same stream under another label.
 
@@ -217,6 +202,8 @@ FACTORS = {
     "speed": {"m/s": 1.0, "km/h": 1 / 3.6, "cm/s": 0.01, "mm/s": 0.001},
 }
 """Units of acceleration, angular rate and speed, and what turns them into m/s², rad/s and m/s."""
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+"""Seconds of the units of time that a column's name or a map may state."""
 QUANTITIES = {"acc": "acceleration", "gyr": "angular rate", "speed": "speed"}
 SPELLINGS = {
     "ms-2": "m/s2", "m/s/s": "m/s2", "mps2": "m/s2", "milli-g": "mg",
