@@ -108,9 +108,7 @@ class TestXio:
         np.testing.assert_allclose(found.acc_mps2, [[0, 0, G], [G / 2, 0, G]])
 
     def test_gravity_free_tables_are_refused(self):
-        with pytest.raises(
-            InputError, match=r"linear.csv: no column Gyroscope X \(deg/s\)|Acceler"
-        ):
+        with pytest.raises(InputError, match=r"linear\.csv: no column Accelerometer X \(g\), "):
             read_xio("Time (s),X (g),Y (g),Z (g)\n0,0,0,0\n", "linear.csv", Asked())
 
 
@@ -175,6 +173,17 @@ class TestXsensDot:
         (found,) = read_xsens_dot(self.text(rows, "DeviceTag:,a\n\n"), "a", Asked())
         np.testing.assert_allclose(np.diff(found.time_s), 0.008333, rtol=1e-6)
         assert found.warnings == ()
+
+    @pytest.mark.parametrize(
+        ("per_s", "rates_hz"),
+        [(1e4, (4, 10, 12, 15, 20, 30, 60, 120)), (1e6, (1, 4, 10, 12, 15, 20, 30, 60, 120))],
+        ids=["PC", "app"],
+    )
+    def test_each_rate_of_a_dot_in_the_units_of_app_and_computer(self, per_s, rates_hz):
+        for rate in rates_hz:
+            rows = [(k, round(k * per_s / rate), 0, 0, 0, 9.8, 1, 0, 0) for k in range(6)]
+            (found,) = read_xsens_dot(self.text(rows), "a.csv", Asked())
+            np.testing.assert_allclose(np.diff(found.time_s), 1 / rate, rtol=0.02)
 
     @pytest.mark.parametrize(
         ("text", "says"),
@@ -293,9 +302,7 @@ class TestMatlab:
     def test_damaged_files_are_one_line(self, size):
         buffer = io.BytesIO()
         savemat(buffer, {"ts": np.arange(100.0)}, do_compression=True)
-        with pytest.raises(
-            InputError, match=r"a\.mat: no MATLAB file|a\.mat: no variable"
-        ) as error:
+        with pytest.raises(InputError, match=r"a\.mat: no MATLAB file") as error:
             parse_matlab(buffer.getvalue()[:size], ["ts"], "a.mat")
         assert "\n" not in str(error.value)
 
