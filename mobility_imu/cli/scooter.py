@@ -31,10 +31,15 @@ Sensors = Literal["consumer", "calibrated"]
 FORMS: dict[Form, LibraryForm] = {"three-axis": "corrected", "printed": "printed"}
 """Name of each form in the library."""
 LARGEST_NOISE_MPS2 = 100.0
+"""Ten times gravity: a mistake in typing. Set by hand."""
 SMALLEST_NOISE_MPS2 = 1e-4
+"""A thousandth of 0.01 g, less than any step of a sensor. Set by hand."""
 LARGEST_POSE_DEG = 180.0
+"""Half a turn; a larger angle is the same pose as a smaller one."""
 LARGEST_SCALE_SD_DEG = 10.0
+"""A protractor that is set no better judges nothing. Set by hand."""
 MEDIAN_WINDOW = 25
+"""As in RideSettings, which is loaded only where it is needed."""
 NO_FAULT = ": the sensors were accelerated in "
 
 app = sub_app("Mobility scooter: steering and throttle.")

@@ -17,6 +17,7 @@ from mobility_imu.readers.table import parse_numbers
 ACCELEROMETER = [f"Accelerometer {axis}" for axis in "XYZ"]
 GYROSCOPE = [f"Gyroscope {axis}" for axis in "XYZ"]
 HEAD_LINES = 10
+"""Of ActiGraph's raw export; the names of the columns stand behind them."""
 
 
 def is_actigraph(names: str) -> bool:

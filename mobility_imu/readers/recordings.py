@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from mobility_imu.readers.lags import ClockLag
 
 MOST_SENSORS = 12
+"""Files that are one recording at most, four times those of a chair: more are a study."""
 CLOCK, SAME_CLOCK, OWN_CLOCK, ONE_START = "clock", "same", "own", "start"
 """``clock=same`` among several files: their stamps come from one clock; where
 all files tell the time of day, all in UTC or all in local time, their times count from it.

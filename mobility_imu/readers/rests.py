@@ -14,7 +14,8 @@ from mobility_imu.readers.table import parse_numbers, read_text
 __all__ = ["read_rests"]
 
 _SAME_TIME = 0.1
-"""Fraction of the recording's interval within which a row belongs to a sample."""
+"""Fraction of the recording's interval within which a row belongs to a sample: more than the
+rounding of a printed time, less than half a sample. Set by hand."""
 
 
 def read_rests(path: str | Path, time_s: ArrayLike) -> NDArray[np.bool_]:

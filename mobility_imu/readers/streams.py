@@ -188,14 +188,16 @@ class Asked(NamedTuple):
 
 
 FEWEST_TO_JUDGE = 100
+"""Samples, one second of most sensors; of fewer nothing is said. Set by hand."""
 MOSTLY_HELD = 0.5
-"""More repeated samples than this: the rate of the rows is not the rate of the sensor."""
+"""More repeated samples than half: the rate of the rows is not the rate of the sensor."""
 MOSTLY_TOGETHER = 0.5
 """Part of the new samples that are new on all axes, below which the repeats come from coarse steps.
 Three axes of a sensor at rest seldom pass a step at once. Real files have 0.75 or more where
 samples are held, 0.03 or less where a sensor with coarse steps rests."""
 LARGEST_RATE_DIFFERENCE = 0.01
-"""Part by which a given sampling rate may differ from that of a file's own clock."""
+"""Part by which a given sampling rate may differ from that of a file's own clock: a rate that is
+rounded to a whole number from 50 Hz on. Crystals differ by a hundredth of it."""
 FACTORS = {
     "acc": {"m/s2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": STANDARD_GRAVITY_MPS2 / 1000},
     "gyr": {"rad/s": 1.0, "deg/s": float(np.pi / 180), "mrad/s": 1e-3},
