@@ -172,7 +172,8 @@ def test_a_fault_is_told_with_what_it_costs(tmp_path, works, fails, saved):
     """A late gyroscope moves every heading: nothing is valid, and --strict refuses."""
     late = saved(late_gyroscope(pd.read_csv(CORRIDOR / "walk.csv.gz")))
     said = works(*trajectory(walk=late, mount=TRUE_MOUNT)).stderr
-    assert re.search(r"frame_gyr comes 0\.(19|20|21) ± 0\.01 s later", said)
+    later = re.search(r"frame_gyr comes (\S+) ± 0\.01 s later", said)
+    assert later and float(later[1]) == pytest.approx(0.2, abs=0.0101)
     assert "; it moves the place by up to " in said
     assert (pd.read_csv(tmp_path / "path.csv")["valid"] == 0).all()
     fails(*trajectory(walk=late, mount=TRUE_MOUNT), "--strict", says=["frame_gyr"])
