@@ -32,6 +32,8 @@ MOSTLY_USUAL = 0.8
 LONGEST_SILENT_GAP_S = 0.1
 """Stamps that are not even may leave gaps up to this, which are interpolated over: at 1 rad/s a
 lever turns by 6 deg meanwhile. Set by hand."""
+AS_PRINTED = 1.005
+"""A message states a length with three digits: the gap may be longer by this factor."""
 ROUNDING_S = 1e-6
 """Stamps in decimals are this far from what they say, or nearer. Finer ones than µs are rare."""
 LONG_END_S = 1.0
@@ -183,7 +185,7 @@ def fill_gaps(
     ----------
     time_s : (n,) array, s
     sensors : sensor name to Imu, each with n samples
-    longest_s : s, longer gaps stay
+    longest_s : s, to the three digits of a message that states a gap's length; longer gaps stay
     source : the first words of a message; a warning says how much was filled in
 
     Returns
@@ -200,7 +202,7 @@ def fill_gaps(
     if len(step) == 0 or not np.isfinite(step).all() or (step <= 0).any():
         return time_s, dict(sensors)  # Recording says what is wrong
     usual = float(np.median(step))
-    holes = np.nonzero((step > GAP_FACTOR * usual) & (step <= longest_s))[0]
+    holes = np.nonzero((step > GAP_FACTOR * usual) & (step <= AS_PRINTED * longest_s))[0]
     added = np.rint(step[holes] / usual).sum() - len(holes)
     if added > max(len(time_s), FEWEST_TO_FILL):
         raise InputError(
@@ -287,7 +289,7 @@ def one_clock(
         if len(stamps) < 3:
             raise InputError(f"{source}, {name}: fewer than three stamps that differ")
         step = np.diff(stamps)
-        longest = max(fill_gaps_s, longest_silent_gap(float(np.median(step))))
+        longest = max(AS_PRINTED * fill_gaps_s, longest_silent_gap(float(np.median(step))))
         if step.max() > longest:
             k = int(np.argmax(step))
             at_gap = (why for j, why in stream.gap_why.items() if stream.time_s[j] == stamps[k])

@@ -1,5 +1,7 @@
 """Clocks that stop early, jump back or lose samples: refused, or told with place and length."""
 
+import re
+
 import dialects
 import numpy as np
 import pytest
@@ -183,3 +185,18 @@ def test_a_gap_that_is_refused_is_longer_than_what_is_said():
     assert longest_silent_gap(0.2) == pytest.approx(0.3, abs=1e-5)
     assert longest_silent_gap(1e7) < 2  # no sensor is that slow
     one_clock({"frame": stream(np.r_[0:1:0.01, 1.09:2:0.01] + 0.3)}, "made")
+
+
+@pytest.mark.parametrize("write", [dialects.canonical, dialects.lpms])
+@pytest.mark.parametrize(("begin", "lost"), [(137, 1), (138, 1), (501, 28)])
+def test_a_gap_is_bridged_with_the_length_that_its_message_says(tmp_path, write, begin, lost):
+    """Neither rounding of the message nor of the clock brings the same refusal again."""
+    path = write(made(count=1000), tmp_path)
+    head, *rows = path.read_text().rstrip().split("\n")
+    late = 13 if write is dialects.lpms else 0
+    path.write_text("\n".join([head, *rows[:begin], *rows[begin + lost + late :], ""]))
+    with pytest.raises(InputError, match="to bridge it") as error:
+        quietly(path)
+    said = re.search(r"gap of (\S+) s", str(error.value))[1]
+    found = quietly(path, fill_gaps_s=float(said))
+    assert len(found) == pytest.approx(1000, abs=1)
