@@ -47,7 +47,13 @@ app = sub_app("Mobility scooter: steering and throttle.")
 
 @app.command("angles")
 def angles(
-    recording: Annotated[Path, typer.Argument(help="CSV with sensors 'lever' and 'body'.")],
+    recording: Annotated[
+        Path,
+        typer.Argument(
+            help="Recording with sensors 'lever' and 'body', as a file, a session's folder or "
+            "lever=a.csv,body=b.csv."
+        ),
+    ],
     geometry: Annotated[
         Path, typer.Option(help="TOML with [scooter]; with [scooter.mount], that is applied.")
     ],
@@ -176,6 +182,7 @@ def calibrate(
     output: Output,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,
+    fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
     """How both IMUs are mounted, from parked poses with the controls at their stops.
@@ -190,7 +197,7 @@ def calibrate(
     files = (file for path in parked for file in recording_files(path))
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
-    recordings = [read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz) for path in parked]
+    recordings = [read_input(path, "scooter", sampling_rate_hz, fill_gaps_s) for path in parked]
     faults = [fault for recording in recordings for fault in find_faults(recording, scooter)]
     tell_faults(faults, strict)
     with naming(faults):
@@ -232,6 +239,7 @@ def check(
     ] = None,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,
+    fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
     """Whether the angles agree with those that a protractor set.
@@ -253,7 +261,7 @@ def check(
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad = read_poses(poses)
-    recording = read_input(parked, "scooter", sampling_rate_hz=sampling_rate_hz)
+    recording = read_input(parked, "scooter", sampling_rate_hz, fill_gaps_s)
     faults = find_faults(recording, scooter, mount, RideSettings(method=method))
     tell_faults(faults, strict)
     with naming(faults):

@@ -28,7 +28,7 @@ app = sub_app("Walking frame: mount of the IMU, and path.")
 
 @app.command("calibrate")
 def calibrate(
-    tilts: Annotated[Path, typer.Argument(help="Recording of the tilts: CSV with sensor 'frame'.")],
+    tilts: Annotated[Path, typer.Argument(help="Recording of the tilts with sensor 'frame'.")],
     geometry: Annotated[Path, typer.Option(help="TOML with a section [walker].")],
     output: Output,
     method: Annotated[
@@ -77,7 +77,7 @@ def calibrate(
 
 @app.command("trajectory")
 def trajectory(
-    walk: Annotated[Path, typer.Argument(help="Recording of a walk: CSV with sensor 'frame'.")],
+    walk: Annotated[Path, typer.Argument(help="Recording of a walk with sensor 'frame'.")],
     geometry: Annotated[Path, typer.Option(help="TOML with a section [walker.mount].")],
     output: Output,
     steps: Annotated[

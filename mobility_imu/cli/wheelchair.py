@@ -43,7 +43,11 @@ app = sub_app("Manual wheelchair: velocities and tasks.")
 @app.command("velocity")
 def velocity(
     trial: Annotated[
-        Path, typer.Argument(help="Recording, or the common beginning of three Xsens exports.")
+        Path,
+        typer.Argument(
+            help="Recording: a file, a session's folder, the common beginning of three Xsens "
+            "exports, or frame=f.csv,left_wheel=l.csv,right_wheel=r.csv."
+        ),
     ],
     static: Static,
     straight: Straight,
