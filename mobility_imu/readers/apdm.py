@@ -10,7 +10,7 @@ import re
 
 from mobility_imu.errors import InputError
 from mobility_imu.readers.layout import comma_separated, split_row
-from mobility_imu.readers.streams import Asked, Stream, factor
+from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream, factor
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import quoted
 
@@ -133,11 +133,11 @@ def _format_7(text: str, source: str) -> tuple[Stream, ...]:
         header + "\n" + lines[3], separator=",", source=source, first_line=3,
         wanted=lambda name: int(name) in read,
     )  # fmt: skip
-    time_s = table.columns([str(time_column)])[:, 0] * 1e-6
+    time_s = table.columns([str(time_column)], finite=True)[:, 0] * TIME_UNITS["us"]
     streams = []
     for place in dict.fromkeys(key[0] for key in wanted):
         found = {
-            q: table.columns([str(wanted[(place, q, axis)]) for axis in "XYZ"])
+            q: table.columns([str(wanted[(place, q, axis)]) for axis in "XYZ"], finite=True)
             for q in ("acc", "gyr")
             if all((place, q, axis) in wanted for axis in "XYZ")
         }

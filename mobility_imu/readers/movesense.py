@@ -9,7 +9,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
 from mobility_imu.readers.wording import listed
 
 LISTS = ("IMU9", "IMU6", "IMU6m")
@@ -86,7 +86,7 @@ def read_movesense(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
 
 def _stamps(blocks: list[Any], source: str) -> FloatArray:
     try:
-        return np.array([float(block["Timestamp"]) for block in blocks]) * 1e-3
+        return np.array([float(block["Timestamp"]) for block in blocks]) * TIME_UNITS["ms"]
     except (KeyError, TypeError, ValueError, OverflowError):
         raise InputError(f"{source}: a block without Timestamp in ms") from None
 

@@ -17,7 +17,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.readers.halves import Half, join_halves
 from mobility_imu.readers.layout import find_layout, split_row
-from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
@@ -148,7 +148,7 @@ def _epoch(text: str) -> float | None:
             now, elapsed = (float(cells[layout.names.index(n)]) for n in (EPOCH_NS, ELAPSED))
         except (ValueError, IndexError):
             return None
-        begins.append(1e-9 * now - elapsed)
+        begins.append(TIME_UNITS["ns"] * now - elapsed)
     # A spreadsheet keeps fifteen digits, or fewer.
     return begins[0] if abs(begins[1] - begins[0]) < EXACT_S else None
 

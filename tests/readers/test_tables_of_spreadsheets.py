@@ -182,7 +182,7 @@ def test_a_map_that_contradicts_a_name_is_told(tmp_path):
     [
         dialects.canonical, dialects.lpms, dialects.ximu3, dialects.apdm, dialects.shimmer,
         dialects.actigraph, dialects.physics_toolbox,
-        dialects.sensor_logger, dialects.phyphox,
+        dialects.sensor_logger, dialects.phyphox, dialects.apdm_format_7,
     ],
     ids=lambda w: w.__name__,
 )  # fmt: skip
