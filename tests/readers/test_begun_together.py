@@ -1,5 +1,7 @@
 """``clock=same`` for files whose times each count from their own start."""
 
+import re
+
 import dialects
 import numpy as np
 import pytest
@@ -50,13 +52,14 @@ def actigraphs(recording, folder):
         (folder / name).mkdir()
         file = dialects.actigraph(of(recording, name, 200 * k), folder / name)
         if k:
-            changed(file, "T08:58:0", "T08:59:0")
-            changed(file, "T08:59:0", "T08:58:0")
-            lines = file.read_text().split("\n")
-            for row in range(11, len(lines)):
-                lines[row] = lines[row].replace("T08:58:01", "T08:58:03")
-                lines[row] = lines[row].replace("T08:58:00", "T08:58:02")
-            file.write_text("\n".join(lines))
+            head, *rows = re.split(r"^(?=2019-)", file.read_text(), flags=re.MULTILINE)
+            cells = [row.partition(",") for row in rows]
+            later = [
+                np.datetime64(stamp, "ns") + np.timedelta64(int(LATE_S * 1e9))
+                for stamp, *_ in cells
+            ]
+            rows = [f"{stamp},{rest}" for stamp, (_, _, rest) in zip(later, cells, strict=True)]
+            file.write_text(head + "".join(rows))
         yield f"{name}={file}"
 
 

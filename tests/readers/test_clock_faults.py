@@ -200,3 +200,23 @@ def test_a_gap_is_bridged_with_the_length_that_its_message_says(tmp_path, write,
     said = re.search(r"gap of (\S+) s", str(error.value))[1]
     found = quietly(path, fill_gaps_s=float(said))
     assert len(found) == pytest.approx(1000, abs=1)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda rows: [*rows[:500], *rows[600:]], r"gap of 1\.01 s after 4\.99 s"),
+        (lambda rows: [*rows[:500], *rows[499:]], "stands twice"),
+        (lambda rows: [*rows[:500], *rows[300:]], "runs backwards"),
+        (lambda rows: [*rows[:500], rows[500].replace("T", " "), *rows[501:]], "line 512, .*time"),
+        (lambda rows: [*rows[:500], rows[500].replace("-14T", "-34T"), *rows[501:]], "Timestamp: "),
+    ],
+    ids=["lost", "twice", "again", "no time", "no date"],
+)
+def test_stamps_of_rows_that_are_counted_show_what_was_changed(tmp_path, spoil, says):
+    """ActiGraph's rows are counted at the rate of its head; a table can be cut or joined."""
+    path = dialects.actigraph(made(count=1000), tmp_path)
+    lines = path.read_text().rstrip().split("\n")
+    path.write_text("\n".join([*lines[:11], *spoil(lines[11:]), ""]))
+    with pytest.raises(InputError, match=says):
+        quietly(path)
