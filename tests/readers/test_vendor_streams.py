@@ -136,6 +136,9 @@ class TestJsonSamples:
                 json.dumps([ROW | {"timestamp": "nan"}]),
                 "column timestamp: expected a number",
             ),
+            (json.dumps([ROW | {"timestamp": 10**400}]), "timestamp is 1000"),
+            (json.dumps([ROW | {"timestamp": 1, "gy_x": True}]), "gy_x is True"),
+            (json.dumps([ROW | {"timestamp": "1_0"}]), "timestamp is '1_0'"),
             ("[" * 100_000, "no JSON"),
         ],
     )
