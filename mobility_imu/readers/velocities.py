@@ -74,9 +74,9 @@ def read_velocities(
     The columns are found by ``lin`` and by ``ang`` or ``yaw`` in their names, so that headers in
     French, English and Spanish serve alike, and a time column by ``time``, ``temps``, ``tiempo``.
     Columns with ``sd`` or ``std`` as a word in their names hold standard deviations: where one is
-    infinite or empty, or a column ``valid`` is 0, the velocities are not valid. The names state the
-    units, as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that is not stated is asked for. A time
-    column is in s unless its name states another unit.
+    infinite, empty or below 0, or a column ``valid`` is 0, the velocities are not valid. The names
+    state the units, as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that is not stated is asked
+    for. A time column is in s unless its name states another unit.
 
     Parameters
     ----------
@@ -125,7 +125,8 @@ def read_velocities(
 def _valid(table: NumberTable) -> NDArray[np.bool_] | None:
     """Where the file's own columns do not say that the velocities are unknown."""
     names = [name.lower().strip() for name in table.header]
-    unknown = [~np.isfinite(table.numbers[:, k]) for k in _of_deviations(names)]
+    deviations = (table.numbers[:, k] for k in _of_deviations(names))
+    unknown = [~((sd >= 0) & (sd < np.inf)) for sd in deviations]
     unknown += [~(table.numbers[:, k] > 0) for k, name in enumerate(names) if name == "valid"]
     return ~np.any(unknown, axis=0) if unknown else None
 

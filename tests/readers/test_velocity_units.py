@@ -85,7 +85,7 @@ def test_units_of_the_yaw_rate_count_wherever_they_stand(written, name):
 
 
 @pytest.mark.parametrize("name", ["linear velocity sd (m/s)", "yaw_rate_std_degps"])
-@pytest.mark.parametrize("cell", ["inf", "nan", ""])
+@pytest.mark.parametrize("cell", ["inf", "nan", "", "-0.1"])
 def test_velocities_without_a_standard_deviation_are_not_valid(written, name, cell):
     path = written("time_s")
     head, *rows = path.read_text().rstrip().split("\n")
