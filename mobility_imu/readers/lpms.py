@@ -53,7 +53,7 @@ def read_lpms(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
         source=source,
         wanted=lambda name: re.match(r"SensorId|TimeS|Acc|Gyro", name) is not None,
     )
-    ids = table.columns(["SensorId"])[:, 0]
+    ids = table.columns(["SensorId"], finite=True)[:, 0]
     time_s = _time(table)
     acc, gyr = (
         _vectors(table, word, quantity) for word, quantity in (("Acc", "acc"), ("Gyro", "gyr"))

@@ -85,7 +85,8 @@ def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     # Written before the sensor's first sample.
     begin = int(np.argmax((values != 0).any(axis=1)))
     acc, gyr = values[:, :3], values[:, 3:]
-    possible = np.isfinite(values).all(axis=1)
+    count = table.columns(["SampleTimeFine"])[:, 0]
+    possible = np.isfinite(values).all(axis=1) & np.isfinite(count)
     possible &= (np.abs(acc) < LARGEST_ACC_MPS2).all(axis=1)
     possible &= (np.abs(gyr) < LARGEST_GYR_DEGPS).all(axis=1)
     started = np.arange(len(values)) >= begin
@@ -98,7 +99,7 @@ def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
         said.append(f"{source}: {damaged} damaged row(s) left out")
     return (
         Stream(
-            _seconds(table.columns(["SampleTimeFine"])[sound, 0]),
+            _seconds(count[sound]),
             acc[sound],
             np.deg2rad(gyr[sound]),
             source=source,

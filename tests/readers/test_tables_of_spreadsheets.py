@@ -226,3 +226,13 @@ def test_a_sample_of_json_without_a_number_is_named(tmp_path, key):
     )
     with pytest.raises(InputError, match=rf"a\.json: sample 99, column {key}: .*--fill-gaps-s"):
         understand(tmp_path / "a.json", map_path=tmp_path / "map.toml")
+
+
+@pytest.mark.parametrize("cell", ["", "nan"])
+def test_a_row_without_the_number_of_its_sensor_is_named(tmp_path, cell):
+    path = dialects.lpms(made(), tmp_path)
+    lines = path.read_text().split("\n")
+    lines[100] = cell + lines[100][lines[100].index(",") :]
+    path.write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r"line 101, column SensorId: .*\(1 such row"):
+        quietly(path)

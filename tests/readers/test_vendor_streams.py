@@ -162,13 +162,14 @@ class TestXsensDot:
             (3, 25999, 0, 0, 0, 9.8, 0, 1e19, 0),
             (4, 34332, 0, 0, "inf", 9.8, 0, 0, 0),
             (5, 42665, 0, 0, 0, 9.7, 0, 90, 0),
+            (6, "", 0, 0, 0, 9.8, 0, 0, 0),
         ]
         (found,) = read_xsens_dot(self.text(rows), "CAR.csv", Asked())
         np.testing.assert_allclose(found.time_s, [0.009333, 0.042665])
         np.testing.assert_allclose(found.gyr_radps, [[np.pi, 0, 0], [0, np.pi / 2, 0]])
         assert found.warnings == (
             "CAR.csv: 1 row(s) of zeros at the beginning left out",
-            "CAR.csv: 3 damaged row(s) left out",
+            "CAR.csv: 4 damaged row(s) left out",
         )
 
     def test_the_clock_goes_on_where_it_starts_again(self):
