@@ -303,10 +303,14 @@ def _from_one_start(streams: Sequence[Stream], files: Sequence[str]) -> list[Str
         replace(stream, time_s=stream.time_s - first[file], clock=STARTED)
         for stream, file in zip(streams, files, strict=True)
     ]
+    whose = listed(stream.label for stream in streams)
     if len(first) > 1:
-        whose = listed(stream.label for stream in streams)
         said = f"{STARTED}: the first samples of the files of {whose} are taken as one moment"
-        moved[0] = replace(moved[0], warnings=(*moved[0].warnings, said))
+    elif len(streams) > 1:
+        said = f"{STARTED} has no effect: {whose} are of one file or session; name the files one by one"
+    else:
+        return moved
+    moved[0] = replace(moved[0], warnings=(*moved[0].warnings, said))
     return moved
 
 

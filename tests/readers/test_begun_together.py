@@ -132,6 +132,11 @@ def test_stamps_of_any_kind_begin_at_one_moment(tmp_path):
     found = understand(names)
     assert len(found.recording) == pytest.approx(len(recording) - 100, abs=1)
     assert not any("one moment" in text for text in found.warnings)
+    (said,) = [text for text in found.warnings if "has no effect" in text]
+    assert said.endswith("one file, session or beginning of names has frame, left_wheel")
+    for names in ([tmp_path / "MT", "clock=start"], [both, "clock=start"]):
+        warned = understand(names, sampling_rate_hz=RATE_HZ).warnings
+        assert sum("clock=start has no effect" in text for text in warned) == 1
 
 
 def test_files_of_different_hours_share_no_time(tmp_path):
