@@ -307,7 +307,7 @@ def _from_one_start(streams: Sequence[Stream], files: Sequence[str]) -> list[Str
     if len(first) > 1:
         said = f"{STARTED}: the first samples of the files of {whose} are taken as one moment"
     elif len(streams) > 1:
-        said = f"{STARTED} has no effect: {whose} are of one file or session; name the files one by one"
+        said = f"{STARTED} has no effect: one file, session or beginning of names has {whose}"
     else:
         return moved
     moved[0] = replace(moved[0], warnings=(*moved[0].warnings, said))
