@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
@@ -11,7 +12,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.readers.phyphox import EVENTS, is_phyphox, read_phyphox
 from mobility_imu.readers.sensor_logger import is_sensor_logger, read_sensor_logger
 from mobility_imu.readers.streams import Asked, Stream
-from mobility_imu.readers.table import decoded, read_text
+from mobility_imu.readers.table import EmptyFile, decoded, read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.readers.xio import is_xio, read_xio
 
@@ -20,6 +21,8 @@ LARGEST_MEMBER = 500_000_000
 rows of 150 characters are 430 million."""
 MOST_FILES = 200
 """Tables in a folder whose beginnings are read; more are a study. Set by hand."""
+DAMAGED = (zipfile.BadZipFile, EOFError, zlib.error)
+"""Errors of an archive that is not as it was written; one with a password is a RuntimeError."""
 XIO_FILES = ("sensors.csv", "Inertial.csv")
 PHONES = {
     "Sensor Logger": (is_sensor_logger, read_sensor_logger),
@@ -142,8 +145,12 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
                 if archive.getinfo(name).file_size > LARGEST_MEMBER:
                     raise InputError(f"{path}/{quoted(name)}: too large for a recording")
                 return decoded(archive.read(name), f"{path}/{quoted(name)}")
-        except (OSError, zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
-            raise InputError(f"{path}/{quoted(name)}: cannot be read ({error})") from None
+        except InputError:
+            raise
+        except (OSError, ValueError, RuntimeError, *DAMAGED) as error:
+            raise InputError(
+                f"{path}/{quoted(name)}: cannot be read ({quoted(str(error), 100)})"
+            ) from None
 
     return names, member
 
@@ -157,7 +164,7 @@ def _or_empty(text: Callable[[str], str], name: str) -> str:
     """Content of a file; an app's empty file is no fault."""
     try:
         return text(name)
-    except InputError:
+    except EmptyFile:
         return ""
 
 

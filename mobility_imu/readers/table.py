@@ -48,6 +48,10 @@ _NUMBER = re.compile(
 )
 
 
+class EmptyFile(InputError):
+    """A file without content."""
+
+
 def read_text(path: str | Path, *, again: bool = False) -> str:
     """Content of a text file; a packed one (gzip) is unpacked, whatever its name.
 
@@ -107,7 +111,7 @@ def decoded(raw: bytes, source: str) -> str:
     except UnicodeDecodeError as error:
         raise InputError(f"{source}: not a text file (byte {error.start})") from None
     if not text.strip():
-        raise InputError(f"{source}: the file is empty")
+        raise EmptyFile(f"{source}: the file is empty")
     return text if "\n" in text else text.replace("\r", "\n")
 
 
