@@ -42,18 +42,19 @@ MEDIAN_WINDOW = 25
 """As in RideSettings, which is loaded only where it is needed."""
 NO_FAULT = ": the sensors were accelerated in "
 
+Ride = Annotated[
+    Path,
+    typer.Argument(
+        help="Recording with sensors 'lever' and 'body', as a file, a session's folder or "
+        "lever=a.csv,body=b.csv."
+    ),
+]
 app = sub_app("Mobility scooter: steering and throttle.")
 
 
 @app.command("angles")
 def angles(
-    recording: Annotated[
-        Path,
-        typer.Argument(
-            help="Recording with sensors 'lever' and 'body', as a file, a session's folder or "
-            "lever=a.csv,body=b.csv."
-        ),
-    ],
+    recording: Ride,
     geometry: Annotated[
         Path, typer.Option(help="TOML with [scooter]; with [scooter.mount], that is applied.")
     ],

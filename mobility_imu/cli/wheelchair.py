@@ -33,6 +33,13 @@ Smoothing = Literal["none", "moving-average", "savitzky-golay"]
 Edge = Literal["covering", "tool"]
 PICTURES = (".png", ".svg", ".pdf")
 
+Trial = Annotated[
+    Path,
+    typer.Argument(
+        help="Recording: a file, a session's folder, the common beginning of three Xsens exports, "
+        "or frame=f.csv,left_wheel=l.csv,right_wheel=r.csv."
+    ),
+]
 Static = Annotated[Path, typer.Option(help="Trial with the chair standing still.")]
 Straight = Annotated[Path, typer.Option(help="Trial with the chair pushed straight forward.")]
 Geometry = Annotated[Path, typer.Option(help="TOML with a section [wheelchair].")]
@@ -42,13 +49,7 @@ app = sub_app("Manual wheelchair: velocities and tasks.")
 
 @app.command("velocity")
 def velocity(
-    trial: Annotated[
-        Path,
-        typer.Argument(
-            help="Recording: a file, a session's folder, the common beginning of three Xsens "
-            "exports, or frame=f.csv,left_wheel=l.csv,right_wheel=r.csv."
-        ),
-    ],
+    trial: Trial,
     static: Static,
     straight: Straight,
     geometry: Geometry,
