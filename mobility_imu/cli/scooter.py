@@ -334,8 +334,11 @@ def read_poses(path: Path) -> list[tuple[float, float]]:
 
     from mobility_imu.readers.table import parse_numbers, read_text
 
-    table = parse_numbers(read_text(path), separator=",", source=str(path))
-    columns = table.columns(["steering_deg", "throttle_deg"])
+    names = ["steering_deg", "throttle_deg"]
+    table = parse_numbers(
+        read_text(path), source=str(path), wanted=lambda name: name.lower() in names
+    )
+    columns = table.columns(names)
     if not np.isfinite(columns).all():
         raise InputError(f"{path}: an angle is missing")
     largest = float(np.abs(columns).max())

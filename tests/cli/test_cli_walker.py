@@ -99,6 +99,7 @@ def test_rests_that_are_known(tmp_path, works, fails):
         ({"stationary": 0}, ["r.csv", "0 throughout"]),
         ({"time_s": 1.0}, ["r.csv", "time_s does not increase"]),
         ({"time_s": first["time_s"] + 100}, ["r.csv", "from 100 to", "on its clock"]),
+        ({"time_s": first["time_s"] * 1000}, ["r.csv", "are its times in s?"]),
     ):
         first.assign(**change).to_csv(tmp_path / "r.csv", index=False)
         fails(*trajectory(mount=TRUE_MOUNT), "--rests", "r.csv", says=says)
