@@ -19,7 +19,7 @@ LARGEST_COVER = 100.0
 Times in ms are 1,000. Set by hand."""
 _SAME_TIME = 0.1
 """Fraction of the recording's interval within which a row belongs to a sample: more than the
-rounding of a printed time, less than half a sample. Set by hand."""
+rounding of a written time, less than half a sample. Set by hand."""
 
 
 def read_rests(path: str | Path, time_s: ArrayLike) -> NDArray[np.bool_]:

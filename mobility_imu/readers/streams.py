@@ -188,7 +188,7 @@ class Asked(NamedTuple):
 
 
 FEWEST_TO_JUDGE = 100
-"""Samples, one second of most sensors; of fewer nothing is said. Set by hand."""
+"""Samples, one second of most sensors; fewer are not judged. Set by hand."""
 MOSTLY_HELD = 0.5
 """More repeated samples than half: the rate of the rows is not the rate of the sensor."""
 MOSTLY_TOGETHER = 0.5
