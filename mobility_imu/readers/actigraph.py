@@ -127,5 +127,5 @@ def _seconds(*at: int) -> float | None:
     """Seconds since 1970 of year, month, day, hour, minute, second on the wall; None if no date."""
     try:
         return datetime(*at, tzinfo=UTC).timestamp()  # type: ignore[misc,arg-type]
-    except ValueError:
+    except (ValueError, OverflowError):
         return None

@@ -63,6 +63,8 @@ def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]
         table = pd.read_csv(io.StringIO(comma_separated(text)), index_col=False)
     except (ValueError, pd.errors.ParserError) as error:
         raise InputError(f"{source}: cannot be read as a table ({quoted(str(error))})") from None
+    if not len(table):
+        raise InputError(f"{source}: a header, but no rows of data")
     table.columns = [str(name).strip() for name in table.columns]
     wall = _seconds_of_day(_column(table, WALL, source).astype(str), source)
     elapsed = _numbers(_column(table, ELAPSED, source), ELAPSED, source)

@@ -9,7 +9,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.readers.layout import find_layout, split_row
 from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream, factor
 from mobility_imu.readers.table import NumberTable, parse_numbers
-from mobility_imu.readers.wording import quoted
+from mobility_imu.readers.wording import listed, quoted
 
 _NAME = re.compile(r"(Shimmer_\w+?)_(\w+)_CAL")
 ACCELEROMETERS = ("Accel_WR", "Accel_LN", "Accel")
@@ -60,6 +60,8 @@ def read_shimmer(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
         first_line=layout.line + 1, wanted=lambda name: _wanted(name),
     )  # fmt: skip
     labels = dict.fromkeys(match[1] for name in table.header if (match := _NAME.fullmatch(name)))
+    if not labels:
+        raise InputError(f"{source}: no column Shimmer_..._CAL (it has: {listed(layout.names)})")
     return tuple(_stream(table, label, units) for label in labels)
 
 
