@@ -67,7 +67,8 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
         raise InputError(f"{source}: an APDM export needs five lines or more")
     stated = re.match(r"Sample Rate:,\s*([\d.]+),\s*Hz", lines[1])
     names = [name.strip() for name in split_row(lines[2].rstrip("\r"), ",")]
-    units = [unit.strip() for unit in split_row(lines[3].rstrip("\r"), ",")]
+    row = (unit.strip() for unit in split_row(lines[3].rstrip("\r"), ","))
+    units = dict(zip(names, row, strict=False))
     parts = [tuple(name.rsplit("/", 2)) for name in names]
     read = {"/".join(part) for part in parts if len(part) == 3 and part[1] in QUANTITIES} | {"Time"}
     table = parse_numbers(
@@ -84,7 +85,7 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
         for title, quantity in QUANTITIES.items():
             columns = [f"{label}/{title}/{axis}" for axis in "XYZ"]
             if columns[0] in names:
-                unit = units[names.index(columns[0])]
+                unit = units.get(columns[0], "")
                 found[quantity] = table.columns(columns, finite=True) * factor(
                     quantity, unit, source
                 )

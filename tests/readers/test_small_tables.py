@@ -60,3 +60,11 @@ def test_a_start_that_no_clock_has(tmp_path):
     text = head.replace("08:58:00", f"08:58:{'9' * 30}") + rows
     (stream,) = read_actigraph(text, "a.csv", Asked())
     assert stream.epoch_s is None
+
+
+def test_a_row_of_units_that_is_too_short(tmp_path):
+    path = dialects.apdm(made(), tmp_path)
+    lines = path.read_text().split("\n")
+    path.write_text("\n".join([*lines[:3], "s,m/s^2,m/s^2,m/s^2", *lines[4:]]))
+    with pytest.raises(InputError, match="angular rate in '' is not known"):
+        quietly(path)
