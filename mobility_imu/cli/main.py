@@ -90,9 +90,9 @@ def main() -> None:
 
 def _run() -> tuple[int, str]:
     """Run the application; returns the exit code and, unless that is 0, the message."""
-    given = pairwise(sys.argv)
     # As a path it would be the current folder; an option's value is checked by the option.
-    if any(not here and not before.startswith("-") for before, here in given):
+    empty = [before for before, here in pairwise(sys.argv) if not here]
+    if not _options_with_values().issuperset(empty):
         return AT_FAULT, "an argument is empty; the current folder is '.'"
     try:
         code = app(standalone_mode=False)
@@ -124,6 +124,19 @@ def _run() -> tuple[int, str]:
     return (code if isinstance(code, int) else DONE), ""
 
 
+def _options_with_values() -> set[str]:
+    """Names of the options, of all commands, behind which a value stands."""
+    names: set[str] = set()
+    commands = [typer.main.get_command(app)]
+    while commands:
+        command = commands.pop()
+        commands += getattr(command, "commands", {}).values()
+        # An argument has no such flag.
+        valued = [option for option in command.params if not getattr(option, "is_flag", True)]
+        names.update(name for option in valued for name in option.opts)
+    return names
+
+
 def _of_arguments(error: Exception) -> str | None:
     """Message of the application's own errors on arguments, None for another error."""
     if not (hasattr(error, "format_message") and hasattr(error, "exit_code")):
@@ -131,7 +144,10 @@ def _of_arguments(error: Exception) -> str | None:
     if type(error).__name__ == "NoArgsIsHelpError":  # its message is the whole help
         return "give a command; --help lists them"
     message = str(error.format_message())
-    if message.startswith("Got unexpected extra argument"):
+    command = getattr(getattr(error, "ctx", None), "command", None)
+    # What looks at sensors reads a recording, which may be in several files.
+    of_recordings = any(option.name == "strict" for option in getattr(command, "params", ()))
+    if of_recordings and message.startswith("Got unexpected extra argument"):
         message += "; several files of one recording are one name: frame=f.csv,left_wheel=l.csv"
     return message
 

@@ -22,16 +22,21 @@ Folder = Annotated[
 ]
 Rate = Annotated[
     float | None,
-    typer.Option(help="Hz; for files that state no rate (WheelMove-ID, some of Xsens).", min=1),
+    typer.Option(
+        help="Hz; for files that state no rate (WheelMove-ID, the first x-IMU, some of Xsens).",
+        min=1,
+    ),
 ]
 Strict = Annotated[
-    bool, typer.Option("--strict", help="Refuse a recording with any fault of a sensor.")
+    bool,
+    typer.Option("--strict", help="Refuse a recording with any fault of a sensor that is used."),
 ]
 FillGaps = Annotated[
     float,
     typer.Option(
-        help="Fill gaps up to this length (s) by interpolation; 0 refuses any, but up to 0.1 s "
-        "where uneven stamps or several files are brought on one clock.",
+        help="Fill gaps up to this length (s, at most 60) by interpolation; 0 refuses any, but up "
+        "to 0.1 s, or one and a half steps, where uneven stamps or several files are brought on "
+        "one clock.",
         min=0,
     ),
 ]

@@ -21,7 +21,8 @@ def read(
         typer.Argument(
             help="A file, a session's folder or archive, the common beginning of the names of "
             "Xsens exports, or several files, which are put on one clock: lever=a.csv body=b.csv "
-            "[clock=same|own]."
+            "[clock=same|own|start]: stamps of one clock, clocks of their own, or files that a "
+            "trigger began together."
         ),
     ],
     output: Annotated[
@@ -43,8 +44,9 @@ def read(
     from mobility_imu.readers.recordings import recording_files, understand
 
     name = recording if len(recording) > 1 else recording[0]
-    files = (*recording_files(name), *([] if map_path is None else [map_path]))
-    outputs = Outputs({"--output": output}, files)
+    files = recording_files(name)
+    inputs = (*files, *([] if map_path is None else [map_path]))
+    outputs = Outputs({"--output": output}, inputs)
     found = understand(
         name,
         sampling_rate_hz=sampling_rate_hz,
@@ -60,7 +62,7 @@ def read(
     if output is None:
         summarize([read_line(found.recording)], quiet)
         return
-    as_it_was = found.format == "canonical CSV" and len(recording) == 1
+    as_it_was = found.format == "canonical CSV" and len(files) == 1
     own = found.recording.time_s[0] == 0 and not as_it_was
     note = "its times count from its first sample: clock=same does not fit it to other files"
     summarize([*([note] if own else []), written_line([output])], quiet)

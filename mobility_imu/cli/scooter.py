@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import read_input, tell_faults
+from mobility_imu.cli.inputs import naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
 from mobility_imu.errors import InputError
@@ -32,18 +32,28 @@ Sensors = Literal["consumer", "calibrated"]
 FORMS: dict[Form, LibraryForm] = {"three-axis": "corrected", "printed": "printed"}
 """Name of each form in the library."""
 LARGEST_POSE_DEG = 180.0
+"""Half a turn; a larger angle is the same pose as a smaller one."""
 LARGEST_SCALE_SD_DEG = 10.0
+"""A protractor that is set no better judges nothing. Set by hand."""
 MEDIAN_WINDOW = 25
+"""As in RideSettings, which is loaded only where it is needed."""
 NO_FAULT = ": the sensors were accelerated in "
 LOSSES = {"frozen": "frozen", "range": "saturated", "no gravity": "weightless"}
 """Words of the estimate for the faults of an accelerometer that take some samples from it."""
 
+Ride = Annotated[
+    Path,
+    typer.Argument(
+        help="Recording with sensors 'lever' and 'body', as a file, a session's folder or "
+        "lever=a.csv,body=b.csv."
+    ),
+]
 app = sub_app("Mobility scooter: steering and throttle.")
 
 
 @app.command("angles")
 def angles(
-    recording: Annotated[Path, typer.Argument(help="CSV with sensors 'lever' and 'body'.")],
+    recording: Ride,
     geometry: Annotated[
         Path, typer.Option(help="TOML with [scooter]; with [scooter.mount], that is applied.")
     ],
@@ -119,7 +129,8 @@ def _judged(
 
     faults = find_faults(recording, geometry, mount, settings)
     tell_faults(faults, strict)
-    found = mark_faults(estimate_ride(recording, geometry, mount, settings), faults)
+    with naming(faults):
+        found = mark_faults(estimate_ride(recording, geometry, mount, settings), faults)
     # The estimate says of some sensors what was told with its cost.
     words = {**LOSSES, "scale": "out of scale"}
     told = [f": {fault.sensor} is {words[fault.code]} " for fault in faults if fault.code in words]
@@ -177,6 +188,7 @@ def calibrate(
     output: Output,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,
+    fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
     """How both IMUs are mounted, from parked poses with the controls at their stops.
@@ -191,13 +203,12 @@ def calibrate(
     files = (file for path in parked for file in recording_files(path))
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
-    recordings = [read_input(path, "scooter", sampling_rate_hz=sampling_rate_hz) for path in parked]
-    told = set()
-    for recording in recordings:
-        faults = find_faults(recording, scooter)
-        tell_faults(faults, strict)
-        told |= {(recording.source, fault.sensor) for fault in faults}
-    found = calibrate_mount(recordings, settings, scooter)
+    recordings = [read_input(path, "scooter", sampling_rate_hz, fill_gaps_s) for path in parked]
+    of = [(one.source, fault) for one in recordings for fault in find_faults(one, scooter)]
+    faults, told = [fault for _, fault in of], {(source, fault.sensor) for source, fault in of}
+    tell_faults(faults, strict)
+    with naming(faults):
+        found = calibrate_mount(recordings, settings, scooter)
     if strict and found.severe:
         by_file = found.severe[0].startswith(tuple(one.source for one in recordings))
         raise InputError(found.severe[0] if by_file else f"{poses}: {found.severe[0]}")
@@ -246,6 +257,7 @@ def check(
     ] = None,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,
+    fill_gaps_s: FillGaps = 0.0,
     quiet: Quiet = False,
 ) -> None:
     """Whether the angles agree with those that a protractor set.
@@ -267,9 +279,11 @@ def check(
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad = read_poses(poses)
-    recording = read_input(parked, "scooter", sampling_rate_hz=sampling_rate_hz)
-    tell_faults(find_faults(recording, scooter, mount, RideSettings(method=method)), strict)
-    found = check_poses(recording, set_rad, scooter, mount, settings)
+    recording = read_input(parked, "scooter", sampling_rate_hz, fill_gaps_s)
+    faults = find_faults(recording, scooter, mount, RideSettings(method=method))
+    tell_faults(faults, strict)
+    with naming(faults):
+        found = check_poses(recording, set_rad, scooter, mount, settings)
     written = []
     if output is not None:
         outputs.write({output: csv_bytes(found.to_frame(), output)})
@@ -337,8 +351,11 @@ def read_poses(path: Path) -> list[tuple[float, float]]:
 
     from mobility_imu.readers.table import parse_numbers, read_text
 
-    table = parse_numbers(read_text(path), separator=",", source=str(path))
-    columns = table.columns(["steering_deg", "throttle_deg"])
+    names = ["steering_deg", "throttle_deg"]
+    table = parse_numbers(
+        read_text(path), source=str(path), wanted=lambda name: name.lower() in names
+    )
+    columns = table.columns(names)
     if not np.isfinite(columns).all():
         raise InputError(f"{path}: an angle is missing")
     largest = float(np.abs(columns).max())

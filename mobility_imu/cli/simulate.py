@@ -21,7 +21,6 @@ WalkerCourse = Literal["corridor", "rectangle", "timed-up-and-go"]
 Level = Literal["data-sheet", "sensor", "realistic", "real"]
 ScooterLevel = Literal["data-sheet", "real"]
 WheelchairLevel = Literal["sample", "real"]
-LEVEL_HELP = "Errors of the sensors: the usual sizes, or those of real recordings."
 
 app = sub_app("Simulate recordings with known truth.")
 
@@ -70,7 +69,12 @@ def scooter(
     output: Folder,
     seed: Seed,
     course: Annotated[ScooterCourse, typer.Option(help="Course to drive.")] = "curves",
-    level: Annotated[ScooterLevel, typer.Option(help=LEVEL_HELP)] = "data-sheet",
+    level: Annotated[
+        ScooterLevel,
+        typer.Option(
+            help="data-sheet: errors of the sensors as stated there; real: as in real recordings."
+        ),
+    ] = "data-sheet",
     quiet: Quiet = False,
 ) -> None:
     """A scooter drawn from the seed: a ride, two parked recordings, truth and reference."""
@@ -85,7 +89,13 @@ def scooter(
 def wheelchair(
     output: Folder,
     seed: Seed,
-    level: Annotated[WheelchairLevel, typer.Option(help=LEVEL_HELP)] = "sample",
+    level: Annotated[
+        WheelchairLevel,
+        typer.Option(
+            help="sample: noise and offsets like those of WheelMove-ID's sample; real: sensors as "
+            "in real recordings, and a drive with pushes."
+        ),
+    ] = "sample",
     quiet: Quiet = False,
 ) -> None:
     """A chair with 19 degrees of camber on a court: three trials, truth and geometry."""

@@ -190,7 +190,8 @@ def tasks_lines(found: Tasks) -> list[str]:
     longest = sorted((task for task in Task if times[task]), key=lambda task: -times[task])
     parts = [f"{task.title} {times[task]:.1f} s" for task in longest[:4]]
     more = [f"{len(longest) - 4} more"] if len(longest) > 4 else []
-    lines = [f"{len(longest)} kinds of task: " + ", ".join([*parts, *more])]
+    kinds = f"{len(longest)} kind{'' if len(longest) == 1 else 's'} of task"
+    lines = [": ".join([kinds, *([", ".join([*parts, *more])] if longest else [])])]
     if not found.valid.all():
         lines.append(f"not known: {step * int((~found.valid).sum()):.1f} s")
     return lines

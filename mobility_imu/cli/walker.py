@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import read_input, tell_faults
+from mobility_imu.cli.inputs import naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Smooth, Strict, sub_app
 from mobility_imu.errors import InputError
@@ -28,7 +28,7 @@ app = sub_app("Walking frame: mount of the IMU, and path.")
 
 @app.command("calibrate")
 def calibrate(
-    tilts: Annotated[Path, typer.Argument(help="Recording of the tilts: CSV with sensor 'frame'.")],
+    tilts: Annotated[Path, typer.Argument(help="Recording of the tilts with sensor 'frame'.")],
     geometry: Annotated[Path, typer.Option(help="TOML with a section [walker].")],
     output: Output,
     method: Annotated[
@@ -68,7 +68,8 @@ def calibrate(
     }
     faults = find_tilt_faults(recording, frame, **options)
     tell_faults(faults, strict)
-    found = calibrate_mount(recording, frame, **options)
+    with naming(faults):
+        found = calibrate_mount(recording, frame, **options)
     warn(_named(tilts, not_told(found.warnings, faults)))
     outputs.write({output: found.to_toml().encode()})
     summarize([read_line(recording), *walker_mount_lines(found), written_line([output])], quiet)
@@ -76,7 +77,7 @@ def calibrate(
 
 @app.command("trajectory")
 def trajectory(
-    walk: Annotated[Path, typer.Argument(help="Recording of a walk: CSV with sensor 'frame'.")],
+    walk: Annotated[Path, typer.Argument(help="Recording of a walk with sensor 'frame'.")],
     geometry: Annotated[Path, typer.Option(help="TOML with a section [walker.mount].")],
     output: Output,
     steps: Annotated[
@@ -144,10 +145,12 @@ def _followed(
     options = {**options, "closed_loop": ClosedLoop() if options["closed_loop"] else None}
     faults = find_faults(recording, frame, mount, **options)
     tell_faults(faults, strict)
-    try:
-        found = estimate_trajectory(recording, frame, mount, **options)
-    except InputError as error:
-        raise InputError(str(error) if str(walk) in str(error) else f"{walk}: {error}") from None
+    with naming(faults):
+        try:
+            found = estimate_trajectory(recording, frame, mount, **options)
+        except InputError as error:
+            text = str(error)
+            raise InputError(text if str(walk) in text else f"{walk}: {text}") from None
     warn(_named(walk, not_told(found.warnings, faults)))
     return found, found.to_frame().assign(valid=valid_samples(found, faults).astype(int))
 

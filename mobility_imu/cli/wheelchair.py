@@ -33,6 +33,13 @@ Smoothing = Literal["none", "moving-average", "savitzky-golay"]
 Edge = Literal["covering", "tool"]
 PICTURES = (".png", ".svg", ".pdf")
 
+Trial = Annotated[
+    Path,
+    typer.Argument(
+        help="Recording: a file, a session's folder, the common beginning of three Xsens exports, "
+        "or frame=f.csv,left_wheel=l.csv,right_wheel=r.csv."
+    ),
+]
 Static = Annotated[Path, typer.Option(help="Trial with the chair standing still.")]
 Straight = Annotated[Path, typer.Option(help="Trial with the chair pushed straight forward.")]
 Geometry = Annotated[Path, typer.Option(help="TOML with a section [wheelchair].")]
@@ -42,9 +49,7 @@ app = sub_app("Manual wheelchair: velocities and tasks.")
 
 @app.command("velocity")
 def velocity(
-    trial: Annotated[
-        Path, typer.Argument(help="Recording, or the common beginning of three Xsens exports.")
-    ],
+    trial: Trial,
     static: Static,
     straight: Straight,
     geometry: Geometry,
@@ -95,8 +100,8 @@ def velocity(
         found = estimate_velocity(
             drive, chair, calibration.mount, settings, offsets=calibration.offsets
         )
-    if smoothing != "none":
-        found = _with_smoothing_sd(found, read, chair, settings, smoothing, of_filter)
+        if smoothing != "none":
+            found = _with_smoothing_sd(found, read, chair, settings, smoothing, of_filter)
     found = with_valid(found, faults)
     _warn_of_calibration(calibration, line, of_line)
     warn(not_told(found, drive, chair, calibration.mount, faults))

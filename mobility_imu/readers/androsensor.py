@@ -11,11 +11,14 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.layout import comma_separated
-from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
 from mobility_imu.readers.wording import listed, quoted
 
 ELAPSED = "Time since start in ms"
 WALL = "YYYY-MO-DD HH-MI-SS_SSS"
+WALL_PART, WALL_S = 0.05, 0.1
+"""Elapsed time and wall clock agree to this part and this time: far less than the factor of 1,000
+between the units, more than a phone's clock is set right by on the way. Set by hand."""
 
 
 def is_androsensor(names: str) -> bool:
@@ -60,6 +63,8 @@ def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]
         table = pd.read_csv(io.StringIO(comma_separated(text)), index_col=False)
     except (ValueError, pd.errors.ParserError) as error:
         raise InputError(f"{source}: cannot be read as a table ({quoted(str(error))})") from None
+    if not len(table):
+        raise InputError(f"{source}: a header, but no rows of data")
     table.columns = [str(name).strip() for name in table.columns]
     wall = _seconds_of_day(_column(table, WALL, source).astype(str), source)
     elapsed = _numbers(_column(table, ELAPSED, source), ELAPSED, source)
@@ -110,8 +115,8 @@ def _seconds_of_day(column: Any, source: str) -> FloatArray:
 def _unit_of_elapsed(elapsed: FloatArray, wall: FloatArray, source: str) -> float:
     """Seconds of one unit of the elapsed time: 1 or 0.001."""
     span, real = np.ptp(elapsed), np.ptp(wall)
-    for unit in (1.0, 1e-3):
-        if abs(span * unit - real) <= 0.05 * real + 0.1:
+    for unit in (TIME_UNITS["s"], TIME_UNITS["ms"]):
+        if abs(span * unit - real) <= WALL_PART * real + WALL_S:
             return unit
     raise InputError(
         f"{source}: {quoted(re.sub(' in ms', '', ELAPSED))} runs over {span:g} (ms or s), the wall "

@@ -10,7 +10,7 @@ import re
 
 from mobility_imu.errors import InputError
 from mobility_imu.readers.layout import comma_separated, split_row
-from mobility_imu.readers.streams import Asked, Stream, factor
+from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream, factor
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import quoted
 
@@ -67,7 +67,8 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
         raise InputError(f"{source}: an APDM export needs five lines or more")
     stated = re.match(r"Sample Rate:,\s*([\d.]+),\s*Hz", lines[1])
     names = [name.strip() for name in split_row(lines[2].rstrip("\r"), ",")]
-    units = [unit.strip() for unit in split_row(lines[3].rstrip("\r"), ",")]
+    row = (unit.strip() for unit in split_row(lines[3].rstrip("\r"), ","))
+    units = dict(zip(names, row, strict=False))
     parts = [tuple(name.rsplit("/", 2)) for name in names]
     read = {"/".join(part) for part in parts if len(part) == 3 and part[1] in QUANTITIES} | {"Time"}
     table = parse_numbers(
@@ -84,7 +85,7 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
         for title, quantity in QUANTITIES.items():
             columns = [f"{label}/{title}/{axis}" for axis in "XYZ"]
             if columns[0] in names:
-                unit = units[names.index(columns[0])]
+                unit = units.get(columns[0], "")
                 found[quantity] = table.columns(columns, finite=True) * factor(
                     quantity, unit, source
                 )
@@ -133,11 +134,11 @@ def _format_7(text: str, source: str) -> tuple[Stream, ...]:
         header + "\n" + lines[3], separator=",", source=source, first_line=3,
         wanted=lambda name: int(name) in read,
     )  # fmt: skip
-    time_s = table.columns([str(time_column)])[:, 0] * 1e-6
+    time_s = table.columns([str(time_column)], finite=True)[:, 0] * TIME_UNITS["us"]
     streams = []
     for place in dict.fromkeys(key[0] for key in wanted):
         found = {
-            q: table.columns([str(wanted[(place, q, axis)]) for axis in "XYZ"])
+            q: table.columns([str(wanted[(place, q, axis)]) for axis in "XYZ"], finite=True)
             for q in ("acc", "gyr")
             if all((place, q, axis) in wanted for axis in "XYZ")
         }

@@ -25,7 +25,7 @@ def is_canonical(names: str) -> bool:
     -------
     bool
     """
-    return "time_s" in names.lower()
+    return "time_s" in names.lower() and not names.startswith(("[", "{"))
 
 
 def read_canonical(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import GAP_FACTOR, FloatArray, as_number, shown
-from mobility_imu.readers.streams import BELIEVED, Stream
+from mobility_imu.readers.streams import BELIEVED, STARTED, Stream
 from mobility_imu.readers.wording import quoted
 from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu, Recording
 
@@ -24,17 +24,21 @@ _log = logging.getLogger("mobility_imu")
 WORTH_A_LINE_S = 600.0
 """The search by movement in a longer recording takes half a minute or more."""
 LONGEST_FILL_S = 60.0
-"""A straight line over a longer gap says nothing of the motion."""
+"""A straight line over a longer gap says nothing of the motion. Set by hand."""
 FEWEST_TO_FILL = 1000
-"""So many samples may be filled in even if the recording has fewer."""
+"""So many samples may be filled in even if the recording has fewer: 10 s at 100 Hz. Set by hand."""
 MOSTLY_USUAL = 0.8
-"""If fewer steps than this part are near the median, there is no usual step."""
+"""If fewer steps than this part are near the median, there is no usual step. Set by hand."""
 LONGEST_SILENT_GAP_S = 0.1
-"""Stamps that are not even may leave gaps up to this, which are interpolated over."""
+"""Stamps that are not even may leave gaps up to this, which are interpolated over: at 1 rad/s a
+lever turns by 6 deg meanwhile. Set by hand."""
+AS_PRINTED = 1.005
+"""A message states a length with three digits: the gap may be longer by this factor."""
 ROUNDING_S = 1e-6
-"""Stamps in decimals are this far from what they say, or nearer."""
+"""Stamps in decimals are this far from what they say, or nearer. Finer ones than µs are rare."""
 LONG_END_S = 1.0
-"""Sensors start and stop within this; more that one sensor does not have is worth a warning."""
+"""Sensors start and stop within this; more that one sensor does not have is worth a warning. Set by
+hand; the streams of a phone's recording start up to 0.2 s apart."""
 
 
 def check_rate(sampling_rate_hz: float, source: str, *, clock: bool = False) -> float:
@@ -181,7 +185,7 @@ def fill_gaps(
     ----------
     time_s : (n,) array, s
     sensors : sensor name to Imu, each with n samples
-    longest_s : s, longer gaps stay
+    longest_s : s, to the three digits of a message that states a gap's length; longer gaps stay
     source : the first words of a message; a warning says how much was filled in
 
     Returns
@@ -198,7 +202,7 @@ def fill_gaps(
     if len(step) == 0 or not np.isfinite(step).all() or (step <= 0).any():
         return time_s, dict(sensors)  # Recording says what is wrong
     usual = float(np.median(step))
-    holes = np.nonzero((step > GAP_FACTOR * usual) & (step <= longest_s))[0]
+    holes = np.nonzero((step > GAP_FACTOR * usual) & (step <= AS_PRINTED * longest_s))[0]
     added = np.rint(step[holes] / usual).sum() - len(holes)
     if added > max(len(time_s), FEWEST_TO_FILL):
         raise InputError(
@@ -285,10 +289,11 @@ def one_clock(
         if len(stamps) < 3:
             raise InputError(f"{source}, {name}: fewer than three stamps that differ")
         step = np.diff(stamps)
-        longest = max(fill_gaps_s, longest_silent_gap(float(np.median(step))))
+        longest = max(AS_PRINTED * fill_gaps_s, longest_silent_gap(float(np.median(step))))
         if step.max() > longest:
             k = int(np.argmax(step))
-            why = f": {stream.gap_why}" if stream.gap_why else ""
+            at_gap = (why for j, why in stream.gap_why.items() if stream.time_s[j] == stamps[k])
+            why = "".join(f": {text}" for text in at_gap)
             raise InputError(
                 f"{source}, {name}: gap of {step[k]:.3g} s after {stamps[k] - stamps[0]:.2f} s "
                 f"({int((step > longest).sum())} longer than {longest:.3g} s){why}; give "
@@ -312,9 +317,14 @@ def _by_movement(
     begin = max(float(stream.time_s.min()) for stream in streams.values())
     apart = begin >= min(float(stream.time_s.max()) for stream in streams.values())
     if len(groups) == 1 and len(streams) > 1 and apart:
-        if BELIEVED in clocks:
+        given = next((clock for clock in (BELIEVED, STARTED) if clock in clocks), None)
+        if given is not None:
             spans = _spans({name: stream.time_s for name, stream in streams.items()})
-            raise InputError(f"{source}: the sensors share no time ({spans}); leave out {BELIEVED}")
+            told = [sentence for stream in streams.values() for sentence in stream.warnings]
+            shifts = "".join(f"; {text}" for text in told if text.startswith(f"{given}: "))
+            raise InputError(
+                f"{source}: the sensors share no time ({spans}){shifts}; leave out {given}"
+            )
         if not any(stream.counted for stream in streams.values()):
             groups = [[name] for name in streams]
     if len(groups) <= 1:

@@ -4,7 +4,7 @@
 
     [clock]
     column = "t"            # or rate_hz = 100
-    unit = "ms"             # s, ms, us or ns
+    unit = "ms"             # s, ms, us, ns, min or h
 
     [sensors.frame]
     acc = ["ax", "ay", "-az"]   # a minus reverses the sign
@@ -32,12 +32,11 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.readers.clocks import check_rate
 from mobility_imu.readers.json_samples import json_table
 from mobility_imu.readers.layout import SEPARATORS, split_row
-from mobility_imu.readers.streams import Stream, factor, known_unit
+from mobility_imu.readers.streams import TIME_UNITS, Stream, factor, known_unit
 from mobility_imu.readers.table import MEND_ROW, NumberTable, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
 
-CLOCK_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-CLOCK_WORDS = {unit: unit for unit in CLOCK_UNITS} | {"µs": "us", "μs": "us", "sec": "s"}
+CLOCK_WORDS = {unit: unit for unit in TIME_UNITS} | {"µs": "us", "μs": "us", "sec": "s"}
 _BRACKETED = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 CLOCK_KEYS = {"column", "unit", "rate_hz", "first_row"}
 SENSOR_KEYS = {"acc", "acc_unit", "gyr", "gyr_unit"}
@@ -124,7 +123,9 @@ def _table(
     if re.match(r"\s*\[\s*\{", text):
         if "names" in plan or "first_row" in clock:
             raise InputError(f"{map_path}: names and first_row are for tables; {source} is JSON")
-        return json_table(text, source, sorted(read))
+        table = json_table(text, source, sorted(read))
+        table.check_finite(range(len(table.header)), advice=MEND_ROW)
+        return table
     first = _whole(clock.get("first_row", 1), f"{map_path}, [clock] first_row")
     lines = text.split("\n", first - 1)
     if len(lines) < first:
@@ -220,12 +221,12 @@ def _times(table: NumberTable, clock: dict[str, Any], path: str | Path) -> tuple
         rate = check_rate(clock["rate_hz"], f"{path}, [clock] rate_hz")
         return np.arange(len(table)) / rate, f"{Path(path).name}"
     unit = clock.get("unit")
-    if unit not in CLOCK_UNITS:
-        raise InputError(f"{path}, [clock] unit: expected {', '.join(CLOCK_UNITS)}")
+    if unit not in TIME_UNITS:
+        raise InputError(f"{path}, [clock] unit: expected {', '.join(TIME_UNITS)}")
     column = clock["column"]
     if not isinstance(column, str):
         raise InputError(f"{path}, [clock] column: expected the name of a column")
-    return np.asarray(table.columns([column])[:, 0] * CLOCK_UNITS[unit]), "its clock"
+    return np.asarray(table.columns([column])[:, 0] * TIME_UNITS[unit]), "its clock"
 
 
 def _signed(table: NumberTable, columns: Sequence[str]) -> FloatArray:

@@ -26,7 +26,7 @@ from mobility_imu.readers.xsens_dot import is_xsens_dot, read_xsens_dot
 from mobility_imu.readers.xsens_mt import is_xsens_mt, read_xsens_mt
 
 BEGINNING = 4000
-"""Characters that are looked at to know a format."""
+"""Characters that are looked at to know a format. Set by hand."""
 
 
 class Format(NamedTuple):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,21 @@ class Half(NamedTuple):
     source: str
 
 
+class Pause(NamedTuple):
+    """A time in which the logger itself wrote nothing.
+
+    Parameters
+    ----------
+    begin_s : s, on the clock of the samples, which goes on meanwhile
+    length_s : s
+    why : where it is told
+    """
+
+    begin_s: float
+    length_s: float
+    why: str
+
+
 def join_halves(
     acc: Half,
     gyr: Half | None,
@@ -39,7 +55,7 @@ def join_halves(
     *,
     warnings: tuple[str, ...] = (),
     epoch_s: float | None = None,
-    gap_why: str = "",
+    pauses: Sequence[Pause] = (),
 ) -> Stream:
     """One stream of both; rates are interpolated to the accelerations' stamps.
 
@@ -51,7 +67,8 @@ def join_halves(
     gyr : rates, rad/s, or None
     source : names both, for messages
     warnings : of the reader
-    epoch_s, gap_why : as in :class:`~mobility_imu.readers.streams.Stream`
+    epoch_s : as in :class:`~mobility_imu.readers.streams.Stream`
+    pauses : of the logger; they are no losses of the rates
 
     Returns
     -------
@@ -66,7 +83,7 @@ def join_halves(
         rates = None if gyr is None else gyr.values
         return Stream(
             acc.time_s, acc.values, rates, source=source, warnings=warnings, epoch_s=epoch_s,
-            gap_why=gap_why,
+            gap_why=_reasons(acc.time_s, pauses),
         )  # fmt: skip
     for half in (acc, gyr):
         check_forward(half.time_s, half.source)
@@ -86,21 +103,50 @@ def join_halves(
     said += ends_left_out(ends, source)
     step = np.diff(stamps)
     longest = longest_silent_gap(float(np.median(step)))
-    lost = losses(stamps) | (step > longest)
+    own = step - _paused(stamps, pauses)
+    lost = losses(np.cumsum(np.r_[0.0, own])) | (own > longest)
     if lost.any():
-        k = int(np.argmax(np.where(lost, step, 0.0)))
-        found = (
-            f"{int(lost.sum())} gap(s) in the rates, the longest of {step[k]:.3g} s after "
-            f"{stamps[k] - stamps[0]:.2f} s"
+        k = int(np.argmax(np.where(lost, own, 0.0)))
+        said.append(
+            f"{gyr.source}: {int(lost.sum())} gap(s) in the rates, the longest of {own[k]:.3g} s "
+            f"after {stamps[k] - stamps[0]:.2f} s"
         )
-        # Accelerations in a long one make way, so that both have it.
-        after = np.clip(np.searchsorted(stamps, acc.time_s, side="right") - 1, 0, len(step) - 1)
-        inside &= ~((step[after] > longest) & (acc.time_s > stamps[after]))
-        gap_why = gap_why or f"{found} ({gyr.source})"
-        said.append(f"{gyr.source}: {found}")
+    # Accelerations in a long gap make way, so that both have it.
+    after = np.clip(np.searchsorted(stamps, acc.time_s, side="right") - 1, 0, len(step) - 1)
+    makes_way = inside & (step[after] > longest) & (acc.time_s > stamps[after])
+    inside &= ~makes_way
+    gaps = [
+        Pause(
+            np.nextafter(stamps[k], np.inf),
+            own[k],
+            f"gap of {own[k]:.3g} s in the rates ({gyr.source})",
+        )
+        for k in np.unique(after[makes_way])
+        if own[k] > longest
+    ]
     time_s = acc.time_s[inside]
     rates = np.column_stack([np.interp(time_s, stamps, axis) for axis in values.T])
     return Stream(
         time_s, acc.values[inside], rates, source=source, warnings=(*warnings, *said),
-        epoch_s=epoch_s, gap_why=gap_why,
+        epoch_s=epoch_s, gap_why=_reasons(time_s, [*pauses, *gaps]),
     )  # fmt: skip
+
+
+def _paused(stamps: FloatArray, pauses: Sequence[Pause]) -> FloatArray:
+    """How long the logger paused in each step between stamps, s."""
+    paused = np.zeros(len(stamps) - 1)
+    for pause in pauses:
+        k = int(np.searchsorted(stamps, pause.begin_s)) - 1
+        if 0 <= k < len(paused):
+            paused[k] += pause.length_s
+    return paused
+
+
+def _reasons(time_s: FloatArray, pauses: Sequence[Pause]) -> dict[int, str]:
+    """Why there is a gap after a sample, by the sample's number."""
+    found: dict[int, list[str]] = {}
+    for pause in pauses:
+        before = np.where(time_s < pause.begin_s, time_s, -np.inf)
+        if np.isfinite(before).any():
+            found.setdefault(int(np.argmax(before)), []).append(pause.why)
+    return {k: " and ".join(why) for k, why in found.items()}

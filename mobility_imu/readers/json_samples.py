@@ -61,7 +61,8 @@ def read_json_samples(text: str, source: str, asked: Asked) -> tuple[Stream, ...
         f"{source}: states no units; taken in g, deg/s and s. If they are others, state them in a "
         "map (mobility-imu read --map)"
     )
-    found = stream_in_g_and_degrees(table, table.numbers[:, 0], ACCELEROMETER, GYROSCOPE)
+    time_s = table.columns(KEYS[:1], finite=True)[:, 0]
+    found = stream_in_g_and_degrees(table, time_s, ACCELEROMETER, GYROSCOPE)
     return (replace(found, warnings=(*found.warnings, said)),)
 
 
@@ -96,9 +97,33 @@ def json_table(text: str, source: str, keys: Sequence[str]) -> NumberTable:
         for j, key in enumerate(keys):
             value = sample.get(key)
             try:
-                rows[k, j] = float(value)  # type: ignore[arg-type]  # what is no number is refused
-            except (TypeError, ValueError):
+                rows[k, j] = json_number(value)
+            except ValueError:
                 raise InputError(
                     f"{source}: sample {k}: {key} is {quoted(repr(value))}, expected a number"
                 ) from None
     return NumberTable(list(keys), rows, source)
+
+
+def json_number(value: object) -> float:
+    """Number that a value of a JSON file is.
+
+    Parameters
+    ----------
+    value : number, or number as text
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        If it is none; Python takes true for 1 and "1_0" for 10.
+    """
+    if isinstance(value, bool) or "_" in str(value):
+        raise ValueError(value)
+    try:
+        return float(value)  # type: ignore[arg-type]  # what is no number is refused
+    except (TypeError, OverflowError) as error:
+        raise ValueError(value) from error

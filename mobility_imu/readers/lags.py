@@ -46,7 +46,7 @@ the movement shows a drift less well than this, it is taken for none."""
 MOST_PARTS, SHORTEST_PART_S = 20, 2.0
 """Parts of the jackknife: many enough for a standard deviation, longer than one movement."""
 CLEAR_ODDS = float(np.log(1000.0))
-"""Logarithm of the odds for the best lag against any other: a thousand to one."""
+"""Logarithm of the odds for the best lag against any other: a thousand to one, set by hand."""
 CLEAR_SPREAD = 2.0
 """Standard deviations (jackknife) by which it must be better, so that no single moment decides."""
 PEAK_S = 0.3
@@ -58,13 +58,16 @@ NEAR_S = 0.15
 MOST_GUESSES = 6
 """Peaks of a pair of clocks that are tried when there are more than two."""
 LARGEST_LAG_SD_S = 0.05
+"""With a lag that is known less well, a lever that turns at 1 rad/s may be 3 deg elsewhere."""
 STEP_S = 1e-4
 """For differences of the total correlation, which is a sharp peak where sensors agree well."""
 FIRST_STEP_S, LAST_STEP_S = 0.03, 1e-5
 """First and last steps of the search for the largest total correlation."""
 MOST_CLOCKS = 5
+"""One more than a device and a reference have; each doubles the ways in which they are divided."""
 MOST_SAMPLES = 24_000
-"""Samples that are looked at once the lag is nearly known; of a longer recording fewer a second."""
+"""Samples that are looked at once the lag is nearly known, 20 minutes at :data:`GRID_HZ`; of a
+longer recording fewer a second."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -16,6 +16,7 @@ from mobility_imu.readers.wording import quoted
 
 SEPARATORS = ("\t", ";", ",")
 ROWS_LOOKED_AT = 20
+"""Rows behind the names from which separator and decimal mark are told. Set by hand."""
 _NOTHING = " \t\r\v\f;,"
 _SEP_LINE = re.compile(r'\s*"?sep=(.)"?\s*', re.IGNORECASE)
 

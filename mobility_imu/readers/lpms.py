@@ -12,7 +12,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.streams import Asked, Stream, factor
+from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream, factor
 from mobility_imu.readers.table import NumberTable, parse_numbers
 
 
@@ -53,7 +53,7 @@ def read_lpms(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
         source=source,
         wanted=lambda name: re.match(r"SensorId|TimeS|Acc|Gyro", name) is not None,
     )
-    ids = table.columns(["SensorId"])[:, 0]
+    ids = table.columns(["SensorId"], finite=True)[:, 0]
     time_s = _time(table)
     acc, gyr = (
         _vectors(table, word, quantity) for word, quantity in (("Acc", "acc"), ("Gyro", "gyr"))
@@ -75,9 +75,11 @@ def _time(table: NumberTable) -> FloatArray:
     for name in table.header:
         match = re.fullmatch(r"TimeStamp\s*\((.*)\)", name)
         if match:
-            scale = {"s": 1.0, "ms": 1e-3}.get(match[1].strip())
+            scale = TIME_UNITS.get(match[1].strip())
             if scale is None:
-                raise InputError(f"{table.source}: time in '{match[1]}', expected s or ms")
+                raise InputError(
+                    f"{table.source}: time in '{match[1]}', expected {', '.join(TIME_UNITS)}"
+                )
             return table.columns([name], finite=True)[:, 0] * scale
     raise InputError(f"{table.source}: no column TimeStamp (s) (it has: {table.listed()})")
 

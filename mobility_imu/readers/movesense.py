@@ -9,7 +9,8 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.json_samples import json_number
+from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
 from mobility_imu.readers.wording import listed
 
 LISTS = ("IMU9", "IMU6", "IMU6m")
@@ -86,8 +87,8 @@ def read_movesense(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
 
 def _stamps(blocks: list[Any], source: str) -> FloatArray:
     try:
-        return np.array([float(block["Timestamp"]) for block in blocks]) * 1e-3
-    except (KeyError, TypeError, ValueError, OverflowError):
+        return np.array([json_number(block["Timestamp"]) for block in blocks]) * TIME_UNITS["ms"]
+    except (KeyError, TypeError, ValueError):
         raise InputError(f"{source}: a block without Timestamp in ms") from None
 
 
@@ -96,8 +97,8 @@ def _vectors(blocks: list[Any], name: str, source: str) -> tuple[FloatArray, lis
     lengths = []
     for k, block in enumerate(blocks):
         try:
-            here = [[float(sample[axis]) for axis in "xyz"] for sample in block[name]]
-        except (KeyError, TypeError, ValueError, OverflowError):
+            here = [[json_number(sample[axis]) for axis in "xyz"] for sample in block[name]]
+        except (KeyError, TypeError, ValueError):
             raise InputError(f"{source}: block {k}: no {name} with numbers x, y, z") from None
         if not here:
             raise InputError(f"{source}: block {k}: {name} is empty")

@@ -15,7 +15,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.halves import Half, join_halves
+from mobility_imu.readers.halves import Half, Pause, join_halves
 from mobility_imu.readers.layout import find_layout, split_row
 from mobility_imu.readers.quantities import find_triple, vectors
 from mobility_imu.readers.streams import Asked, Stream
@@ -106,20 +106,19 @@ def read_phyphox(files: Mapping[str, str], source: str, asked: Asked) -> tuple[S
     events = _events(files[EVENTS], f"{source}/{EVENTS}.csv") if EVENTS in files else Events()
     first, last = accelerations[0].time_s.min(), accelerations[0].time_s.max()
     within = [k for k, at_s in enumerate(events.at_s) if first < at_s <= last]
-    said, why = [], ""
+    said = []
     if within:
         k = within[0]
-        why = (
-            f"{len(within)} pause(s) ({EVENTS}.csv), the first of {events.length_s[k]:.3g} s after "
-            f"{events.at_s[k] - first:.2f} s"
+        said.append(
+            f"{source}: {len(within)} pause(s) ({EVENTS}.csv), the first of "
+            f"{events.length_s[k]:.3g} s after {events.at_s[k] - first:.2f} s; a pause is a gap"
         )
-        said.append(f"{source}: {why}; a pause is a gap")
     phone, *turning = (
         half._replace(time_s=events.with_pauses(half.time_s)) for half in (*accelerations, *rates)
     )
     joined = join_halves(
         phone, turning[0] if turning else None, source,
-        warnings=tuple(said), epoch_s=events.epoch_s, gap_why=why,
+        warnings=tuple(said), epoch_s=events.epoch_s, pauses=events.pauses(),
     )  # fmt: skip
     return (joined,)
 
@@ -151,6 +150,21 @@ class Events(NamedTuple):
         """
         before = np.searchsorted(self.at_s, time_s, side="right")
         return np.asarray(time_s + np.cumsum([0.0, *self.length_s])[before])
+
+    def pauses(self) -> list[Pause]:
+        """Pauses on the clock that goes on.
+
+        Returns
+        -------
+        list of Pause
+        """
+        waited_s = np.cumsum([0.0, *self.length_s])
+        return [
+            Pause(at_s + before_s, length_s, f"pause of {length_s:.3g} s ({EVENTS}.csv)")
+            for at_s, before_s, length_s in zip(
+                self.at_s, waited_s[:-1], self.length_s, strict=True
+            )
+        ]
 
 
 def _events(text: str, source: str) -> Events:
@@ -204,6 +218,6 @@ def _halves(text: str, source: str) -> tuple[Half | None, Half | None]:
             found.append(None)
             continue
         table = parse_numbers(text, source=source, wanted={TIME, *triple.names}.__contains__)
-        time_s = table.columns([TIME])[:, 0]
+        time_s = table.columns([TIME], finite=True)[:, 0]
         found.append(Half(time_s, vectors(table, triple, quantity), source))
     return found[0], found[1]

@@ -88,6 +88,8 @@ def vectors(table: NumberTable, triple: Triple, quantity: str) -> FloatArray:
     Raises
     ------
     InputError
-        If the unit is not known.
+        If the unit is not known, or a cell is no number.
     """
-    return np.asarray(table.columns(triple.names) * factor(quantity, triple.unit, table.source))
+    return np.asarray(
+        table.columns(triple.names, finite=True) * factor(quantity, triple.unit, table.source)
+    )

@@ -25,7 +25,7 @@ from mobility_imu.readers.prefixes import (
     xsens_parts,
 )
 from mobility_imu.readers.sessions import NoSession, is_session, read_session, session_files
-from mobility_imu.readers.streams import BELIEVED, Asked, Stream
+from mobility_imu.readers.streams import BELIEVED, STARTED, Asked, Stream, held_warnings
 from mobility_imu.readers.table import read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.readers.xsens_mt import (
@@ -41,10 +41,14 @@ if TYPE_CHECKING:
     from mobility_imu.readers.lags import ClockLag
 
 MOST_SENSORS = 12
-CLOCK, SAME_CLOCK, OWN_CLOCK = "clock", "same", "own"
-"""``clock=same`` among several files: their stamps come from one clock, or from one trigger; where
-all files tell the time of day, their times count from it.
-``clock=own``: each sensor has a clock of its own, also where a file or session holds several."""
+"""Files that are one recording at most, four times those of a chair: more are a study."""
+CLOCK, SAME_CLOCK, OWN_CLOCK, ONE_START = "clock", "same", "own", "start"
+"""``clock=same`` among several files: their stamps come from one clock; where
+all files tell the time of day, all in UTC or all in local time, their times count from it.
+``clock=own``: each sensor has a clock of its own, also where a file or session holds several.
+``clock=start``: the first samples of all files are of one moment, as a trigger gives them; wall
+clocks and packet counters are not used."""
+CLOCKS = (SAME_CLOCK, OWN_CLOCK, ONE_START)
 XSENS = "Xsens MT Manager"
 PAIR = r"\s*(\w+)\s*=\s*(.+)"
 """A sensor's name and its file."""
@@ -93,7 +97,8 @@ def read_recording(
         files, in a list or as ``lever=a.csv,body=b.csv``. Files of several sensors each have a
         clock of their own, and are joined by their movement; Xsens exports of one receiver are
         joined on their packet counter. With ``clock=same`` among them their stamps are believed;
-        with ``clock=own`` neither these nor a counter are, also in one file or session
+        with ``clock=own`` neither these nor a counter are, also in one file or session; with
+        ``clock=start`` each file's first sample is of the same moment
     sampling_rate_hz : Hz, for formats without a clock; such a file is refused without it
     fill_gaps_s : gaps up to this length are filled by linear interpolation. With 0 a gap is
         refused; where sensors or uneven stamps are brought on one clock, one of more than 0.1 s
@@ -160,7 +165,7 @@ def understand(
     said = (*said, *asked.unused(streams))
     for name, stream in named.items():
         whose = stream.source if len(named) == 1 else f"{stream.source}, {name}"
-        said += stream.held_warnings(whose)
+        said += held_warnings(stream.time_s, stream.acc_mps2, whose)
     recording, found, lags = one_clock(named, source, fill_gaps_s=fill_gaps_s)
     return Reading(
         recording,
@@ -224,7 +229,8 @@ def _streams_of_several(
     """Format and sensors of several files, each with its sensor's name, or without one."""
     clock = next((value for sensor, value in parts if sensor == CLOCK), None)
     parts = [(sensor, file) for sensor, file in parts if sensor != CLOCK]
-    each = map_path is not None or clock == OWN_CLOCK
+    asked = asked._replace(own_clocks=clock == OWN_CLOCK)
+    each = map_path is not None or clock in (OWN_CLOCK, ONE_START)
     streams = [] if each else _streams_of_one_receiver(parts, asked, clock)
     files = [(stream.source, False) for stream in streams]
     forms = [XSENS] if streams else []
@@ -251,18 +257,22 @@ def _streams_of_several(
         streams[0] = replace(streams[0], warnings=(*streams[0].warnings, said))
     if clock == SAME_CLOCK:
         streams = [replace(stream, clock=BELIEVED) for stream in _begun(streams, files)]
+    elif clock == ONE_START:
+        streams = _from_one_start(streams, [file for file, _ in files])
     return ", ".join(dict.fromkeys(forms)), tuple(streams), True
 
 
 def _begun(streams: Sequence[Stream], files: Sequence[tuple[str, bool]]) -> Sequence[Stream]:
     """Streams whose times count from one moment, by the times of day in their files if all tell.
 
-    Where not all do, a warning names those whose times count from their file's start.
+    Where not all do, or some in UTC and some in local time, a warning names those whose times count
+    from their file's start.
     """
     if len({file for file, _ in files}) < 2:
         return streams
     epochs = [stream.epoch_s for stream in streams if stream.epoch_s is not None]
-    if len(epochs) == len(streams):
+    kinds = {stream.epoch_in: stream.label for stream in streams if stream.epoch_s is not None}
+    if len(epochs) == len(streams) and len(kinds) == 1:
         later = [float(stream.epoch_s or 0.0) - min(epochs) for stream in streams]
         told = ", ".join(f"{s.label} {t:+.3f} s" for s, t in zip(streams, later, strict=True))
         said = f"begins by the times of day in the files: {told}"
@@ -277,8 +287,31 @@ def _begun(streams: Sequence[Stream], files: Sequence[tuple[str, bool]]) -> Sequ
         said = (
             f"times of {listed(own)} count from their file's start; did the files begin together?"
         )
+        if len(kinds) > 1:
+            told = " and ".join(f"{kind} ({label})" for kind, label in sorted(kinds.items()))
+            said = f"the files tell the time of day in {told}, so it is not used; {said}"
     said = f"{CLOCK}={SAME_CLOCK}: {said}"
     return [replace(streams[0], warnings=(*streams[0].warnings, said)), *streams[1:]]
+
+
+def _from_one_start(streams: Sequence[Stream], files: Sequence[str]) -> list[Stream]:
+    """Streams whose times count from their file's first sample; one file's keep their distances."""
+    first: dict[str, float] = {}
+    for stream, file in zip(streams, files, strict=True):
+        first[file] = min(first.get(file, np.inf), float(stream.time_s.min()))
+    moved = [
+        replace(stream, time_s=stream.time_s - first[file], clock=STARTED)
+        for stream, file in zip(streams, files, strict=True)
+    ]
+    whose = listed(stream.label for stream in streams)
+    if len(first) > 1:
+        said = f"{STARTED}: the first samples of the files of {whose} are taken as one moment"
+    elif len(streams) > 1:
+        said = f"{STARTED} has no effect: one file, session or beginning of names has {whose}"
+    else:
+        return moved
+    moved[0] = replace(moved[0], warnings=(*moved[0].warnings, said))
+    return moved
 
 
 def _from_own_start(stream: Stream) -> bool:
@@ -414,9 +447,10 @@ def _pairs(parts: Sequence[str], *, loose: bool = False) -> list[tuple[str, str]
     if len(set(names)) < len(names):
         raise InputError(f"{quoted(','.join(parts))}: a sensor is named twice")
     for name, value in pairs:
-        if name == CLOCK and value not in (SAME_CLOCK, OWN_CLOCK):
+        if name == CLOCK and value not in CLOCKS:
+            known = [f"{CLOCK}={each}" for each in CLOCKS]
             raise InputError(
-                f"{CLOCK}={quoted(value)}: expected {CLOCK}={SAME_CLOCK} or {CLOCK}={OWN_CLOCK}"
+                f"{CLOCK}={quoted(value)}: expected {', '.join(known[:-1])} or {known[-1]}"
             )
     if not any(name != CLOCK for name, _ in pairs):
         raise InputError(f"{quoted(','.join(parts))}: no file")

@@ -13,8 +13,13 @@ from mobility_imu.readers.table import parse_numbers, read_text
 
 __all__ = ["read_rests"]
 
+COLUMNS = ["time_s", "stationary"]
+LARGEST_COVER = 100.0
+"""Times that of the recording that a table may last: a minute of a recording of an hour and a half.
+Times in ms are 1,000. Set by hand."""
 _SAME_TIME = 0.1
-"""Fraction of the recording's interval within which a row belongs to a sample."""
+"""Fraction of the recording's interval within which a row belongs to a sample: more than the
+rounding of a written time, less than half a sample. Set by hand."""
 
 
 def read_rests(path: str | Path, time_s: ArrayLike) -> NDArray[np.bool_]:
@@ -35,12 +40,14 @@ def read_rests(path: str | Path, time_s: ArrayLike) -> NDArray[np.bool_]:
     Raises
     ------
     InputError
-        If a column is missing, a cell is neither 0 nor 1, the times do not increase or do not cover
-        the recording, or there is no rest at all.
+        If a column is missing, a cell is neither 0 nor 1, the times do not increase, do not cover
+        the recording or last far longer, or there is no rest at all.
     """
     clock = as_clock(time_s)
-    table = parse_numbers(read_text(path), separator=",", source=str(path))
-    times, flags = table.columns(["time_s", "stationary"]).T
+    table = parse_numbers(
+        read_text(path), source=str(path), wanted=lambda name: name.lower() in COLUMNS
+    )
+    times, flags = table.columns(COLUMNS).T
     if len(table) < 2:
         raise InputError(f"{path}: {len(table)} row(s), expected one for each sample")
     wrong = ~np.isin(flags, (0.0, 1.0))
@@ -58,6 +65,11 @@ def read_rests(path: str | Path, time_s: ArrayLike) -> NDArray[np.bool_]:
         )
     after = np.clip(np.searchsorted(times, clock), 1, len(times) - 1)
     before = after - 1
+    if times[-1] - times[0] > LARGEST_COVER * (clock[-1] - clock[0] + interval):
+        raise InputError(
+            f"{path}: {times[-1] - times[0]:g} s, but the recording lasts {clock[-1] - clock[0]:g} "
+            "s; are its times in s?"
+        )
     rests = (flags[before] > 0) & (flags[after] > 0)
     for row in (before, after):
         same = np.abs(times[row] - clock) <= _SAME_TIME * interval

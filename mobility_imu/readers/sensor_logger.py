@@ -17,14 +17,15 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.readers.halves import Half, join_halves
 from mobility_imu.readers.layout import find_layout, split_row
-from mobility_imu.readers.streams import Asked, Stream
+from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
 ELAPSED, EPOCH_NS = "seconds_elapsed", "time"
 STANDARDISED = "Standardise Units & Frames"
 EXACT_S = 0.01
-"""To this the time of day and the seconds of all rows of a file agree, if no digits were lost."""
+"""To this the time of day and the seconds of all rows of a file agree, if no digits were lost: half
+a sample of a phone at 50 Hz. A spreadsheet that writes 1.71512E+18 ns loses minutes."""
 USED = ("TotalAcceleration", "Accelerometer", "AccelerometerUncalibrated", "Gravity", "Gyroscope")
 
 
@@ -147,7 +148,7 @@ def _epoch(text: str) -> float | None:
             now, elapsed = (float(cells[layout.names.index(n)]) for n in (EPOCH_NS, ELAPSED))
         except (ValueError, IndexError):
             return None
-        begins.append(1e-9 * now - elapsed)
+        begins.append(TIME_UNITS["ns"] * now - elapsed)
     # A spreadsheet keeps fifteen digits, or fewer.
     return begins[0] if abs(begins[1] - begins[0]) < EXACT_S else None
 
@@ -161,4 +162,5 @@ def _half(text: str, source: str) -> Half:
             raise InputError(f"{source}: no column {axis} (it has: {listed(names)})")
         columns.append(found[0])
     table = parse_numbers(text, source=source, wanted={ELAPSED, *columns}.__contains__)
-    return Half(table.columns([ELAPSED])[:, 0], table.columns(columns), source)
+    time_s = table.columns([ELAPSED], finite=True)[:, 0]
+    return Half(time_s, table.columns(columns, finite=True), source)

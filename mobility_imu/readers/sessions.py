@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from mobility_imu.errors import InputError
 from mobility_imu.readers.phyphox import EVENTS, is_phyphox, read_phyphox
 from mobility_imu.readers.sensor_logger import is_sensor_logger, read_sensor_logger
 from mobility_imu.readers.streams import Asked, Stream
-from mobility_imu.readers.table import decoded, read_text
+from mobility_imu.readers.table import EmptyFile, decoded, read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.readers.xio import is_xio, read_xio
 
 LARGEST_MEMBER = 500_000_000
-"""Bytes of one file in an archive; more is no recording."""
+"""Bytes of one file in an archive; more is no recording: 8 hours at 100 Hz with
+rows of 150 characters are 430 million."""
 MOST_FILES = 200
+"""Tables in a folder whose beginnings are read; more are a study. Set by hand."""
+DAMAGED = (zipfile.BadZipFile, EOFError, zlib.error)
+"""Errors of an archive that is not as it was written; one with a password is a RuntimeError."""
 XIO_FILES = ("sensors.csv", "Inertial.csv")
 PHONES = {
     "Sensor Logger": (is_sensor_logger, read_sensor_logger),
@@ -34,6 +40,9 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
     Known are sessions of x-io (a folder for each sensor, with ``sensors.csv`` or
     ``Inertial.csv``; one such folder by itself) and exports of Sensor Logger and phyphox.
 
+    Recordings of x-io with one sensor each, side by side, look like one session: a warning names
+    the folders that were taken as such.
+
     Parameters
     ----------
     path : folder or archive
@@ -47,7 +56,7 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
     Raises
     ------
     InputError
-        If it is no such session, or holds several recordings.
+        If it is no such session, or holds several recordings that can be told apart.
     """
     names, read = _opened(path)
     texts: dict[str, str] = {}
@@ -85,6 +94,13 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
             label = PurePosixPath(name).parent.name or path.stem
             (stream,) = read_xio(text(name), f"{path.name}/{name}", asked)
             streams.append(stream.called(label))
+        if len(streams) > 1 and not asked.own_clocks:
+            said = (
+                f"{path}: sensors in {listed(str(folder) for folder in sorted(of_xio))} taken as "
+                "one session on one clock; if they are recordings of their own, give one of these "
+                "folders by itself"
+            )
+            streams[0] = replace(streams[0], warnings=(*streams[0].warnings, said))
         return "x-io session", tuple(streams)
     if recordings:
         form, folder = recordings[0]
@@ -129,8 +145,12 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
                 if archive.getinfo(name).file_size > LARGEST_MEMBER:
                     raise InputError(f"{path}/{quoted(name)}: too large for a recording")
                 return decoded(archive.read(name), f"{path}/{quoted(name)}")
-        except (OSError, zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
-            raise InputError(f"{path}/{quoted(name)}: cannot be read ({error})") from None
+        except InputError:
+            raise
+        except (OSError, ValueError, RuntimeError, *DAMAGED) as error:
+            raise InputError(
+                f"{path}/{quoted(name)}: cannot be read ({quoted(str(error), 100)})"
+            ) from None
 
     return names, member
 
@@ -144,7 +164,7 @@ def _or_empty(text: Callable[[str], str], name: str) -> str:
     """Content of a file; an app's empty file is no fault."""
     try:
         return text(name)
-    except InputError:
+    except EmptyFile:
         return ""
 
 

@@ -27,23 +27,27 @@ from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ
 OCTAVES_HZ = (0.3, 0.6, 1.25, 2.5, 5.0)
 """Edges of the bands, in which what sensors share is measured one by one and added up: slow bands
 tell turns, quick ones pushes and bumps. Below lies the gyroscope's offset, above vibration, which
-differs from place to place."""
+differs from place to place. Set by hand."""
 FEWEST_PER_CHANNEL = 3.0
-"""Independent samples in the lowest band for each channel; with fewer, it is joined to the next."""
-GRID_HZ = 20.0
+"""Independent samples in the lowest band for each channel; with fewer, it is joined to the next.
+With 1 a covariance is singular; 3 is set by hand."""
+GRID_HZ = 4 * OCTAVES_HZ[-1]
 """Rate at which signals are compared: four times the highest edge."""
 LARGEST_BAND_SHARE = 0.35
-"""Of a sensor's rate; above, what is sampled too slowly would be taken for movement."""
+"""Of a sensor's rate; above, what is sampled too slowly would be taken for movement: half the rate,
+less the flank of the bands' filter."""
 NOISE = {"gyr": 0.002, "acc": 0.03}
 """rad/s and m/s²: twice a cheap sensor's step (0.06 deg/s), and a third of 0.01 g. Movement below
 it says nothing."""
 SHORTEST_S, SHORTEST_SHARE = 10.0, 0.5
-"""Less shared time than this, or than this part of the shorter recording, says nothing."""
+"""Less shared time than this, or than this part of the shorter recording, says nothing: three
+periods of the lowest band. The part is set by hand."""
 LONGEST_S = 8 * 3600.0
-"""Of a recording; a longer one is to be cut."""
+"""Of a recording, a working day; a longer one is to be cut."""
 MOST_FILLED = 4.0
-"""Times its samples that a sensor could have had in its time; more is a clock that jumps."""
-SAY_SAME = "add clock=same if the files share a start or a trigger"
+"""Times its samples that a sensor could have had in its time; more is a clock that jumps. Set by
+hand: a sensor that lost three of four samples."""
+SAY_SAME = "add clock=same if the stamps are of one clock, clock=start if the files began together"
 
 
 class Signals(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -26,6 +26,10 @@ GIVEN = "given"
 """Where the rate of streams comes from whose file states none: from the user."""
 BELIEVED = "clock=same"
 """Clock of streams whose stamps are believed, because the user says so."""
+STARTED = "clock=start"
+"""Clock of streams whose files began at one moment, because the user says so."""
+UTC, LOCAL = "UTC", "local time"
+"""What a time of day is in; local time differs from UTC by hours, which no file tells."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,10 +52,12 @@ class Stream(Result):
     rate_from : where the sampling rate comes from
     counted : whether the times count samples, so that every step longer than one is a loss
     clock : which clock the stamps come from; streams with the same name here share one.
-        :data:`BELIEVED` if the user says that they do
+        :data:`BELIEVED` if the user says that they do, :data:`STARTED` if the user says that the
+        files began together
     epoch_s : s, what is added to the times for a clock that other files share, such as the wall
         clock; None if the file does not tell it
-    gap_why : why the times have a gap that the file's own stamps do not show
+    epoch_in : what that clock shows, :data:`UTC` or :data:`LOCAL`
+    gap_why : why there is a gap that the file's own stamps do not show, by the sample before it
 
     Raises
     ------
@@ -70,7 +76,8 @@ class Stream(Result):
     clock: str = field(default="", kw_only=True)
     file_label: str | None = field(default=None, kw_only=True)
     epoch_s: float | None = field(default=None, kw_only=True)
-    gap_why: str = field(default="", kw_only=True)
+    epoch_in: str = field(default=UTC, kw_only=True)
+    gap_why: Mapping[int, str] = field(default_factory=dict, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check shapes and numbers."""
@@ -93,21 +100,6 @@ class Stream(Result):
     def __len__(self) -> int:
         """Return the number of samples."""
         return len(self.time_s)
-
-    def held_warnings(self, whose: str) -> tuple[str, ...]:
-        """Whether most of its rows repeat the one before.
-
-        As :func:`mobility_imu.readers.streams.held_warnings` judges.
-
-        Parameters
-        ----------
-        whose : file and sensor, for the message
-
-        Returns
-        -------
-        tuple of str, empty or with one sentence
-        """
-        return held_warnings(self.time_s, self.acc_mps2, whose)
 
     def called(self, label: str, *, clock: str | None = None) -> Stream:
         """The same stream under another label.
@@ -135,9 +127,11 @@ class Asked(NamedTuple):
     Parameters
     ----------
     sampling_rate_hz : Hz, or None
+    own_clocks : whether each sensor has a clock of its own, also within a session
     """
 
     sampling_rate_hz: float | None = None
+    own_clocks: bool = False
 
     def rate(self, source: str, what: str, hint: str = "") -> float:
         """Sampling rate that the user gave, for a file that has no clock.
@@ -194,20 +188,24 @@ class Asked(NamedTuple):
 
 
 FEWEST_TO_JUDGE = 100
+"""Samples, one second of most sensors; fewer are not judged. Set by hand."""
 MOSTLY_HELD = 0.5
-"""More repeated samples than this: the rate of the rows is not the rate of the sensor."""
+"""More repeated samples than half: the rate of the rows is not the rate of the sensor."""
 MOSTLY_TOGETHER = 0.5
 """Part of the new samples that are new on all axes, below which the repeats come from coarse steps.
 Three axes of a sensor at rest seldom pass a step at once. Real files have 0.75 or more where
 samples are held, 0.03 or less where a sensor with coarse steps rests."""
 LARGEST_RATE_DIFFERENCE = 0.01
-"""Part by which a given sampling rate may differ from that of a file's own clock."""
+"""Part by which a given sampling rate may differ from that of a file's own clock: a rate that is
+rounded to a whole number from 50 Hz on. Crystals differ by a hundredth of it."""
 FACTORS = {
     "acc": {"m/s2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": STANDARD_GRAVITY_MPS2 / 1000},
     "gyr": {"rad/s": 1.0, "deg/s": float(np.pi / 180), "mrad/s": 1e-3},
     "speed": {"m/s": 1.0, "km/h": 1 / 3.6, "cm/s": 0.01, "mm/s": 0.001},
 }
 """Units of acceleration, angular rate and speed, and what turns them into m/s², rad/s and m/s."""
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+"""Seconds of the units of time that a column's name or a map may state."""
 QUANTITIES = {"acc": "acceleration", "gyr": "angular rate", "speed": "speed"}
 SPELLINGS = {
     "ms-2": "m/s2", "m/s/s": "m/s2", "mps2": "m/s2", "milli-g": "mg",

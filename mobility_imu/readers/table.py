@@ -32,6 +32,8 @@ BINARY = {
     b"MATLAB 7.3": "a MATLAB file",
 }
 """How files begin that hold numbers, but no text."""
+GZIP = b"\x1f\x8b"
+"""How a packed file begins (RFC 1952, section 2.3.1)."""
 MOST_COLUMNS = 20
 """Names of columns that a message lists at most."""
 MEND_ROW = "correct it, or remove the row and give --fill-gaps-s (fill_gaps_s in Python)"
@@ -47,8 +49,12 @@ _NUMBER = re.compile(
 )
 
 
+class EmptyFile(InputError):
+    """A file without content."""
+
+
 def read_text(path: str | Path, *, again: bool = False) -> str:
-    """Content of a text file; a name that ends in ``.gz`` is unpacked.
+    """Content of a text file; a packed one (gzip) is unpacked, whatever its name.
 
     Parameters
     ----------
@@ -67,7 +73,7 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
     path = as_path(path)
     try:
         raw = _read_bytes(path, again)
-        if path.suffix == ".gz":
+        if path.suffix.lower() == ".gz" or raw.startswith(GZIP):
             raw = gzip.decompress(raw)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
@@ -106,7 +112,7 @@ def decoded(raw: bytes, source: str) -> str:
     except UnicodeDecodeError as error:
         raise InputError(f"{source}: not a text file (byte {error.start})") from None
     if not text.strip():
-        raise InputError(f"{source}: the file is empty")
+        raise EmptyFile(f"{source}: the file is empty")
     return text if "\n" in text else text.replace("\r", "\n")
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.readers.clocks import check_rate
-from mobility_imu.readers.streams import FACTORS, known_unit
+from mobility_imu.readers.streams import FACTORS, LARGEST_RATE_DIFFERENCE, TIME_UNITS, known_unit
 from mobility_imu.readers.table import NumberTable, line_of, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.results import Result
@@ -25,12 +25,6 @@ LARGEST = {"linear": 40.0, "angular": 70.0}
 so a larger value is damaged, or in another unit."""
 STANDARD_DEVIATION = r"(?<![a-z])(?:sd|std)(?![a-z])"
 """In the name of a column that holds a standard deviation, not a velocity."""
-CLOCK_UNITS = {
-    "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0,
-}  # fmt: skip
-"""Seconds of the units that a time column's name may state."""
-LARGEST_DIFFERENCE = 0.01
-"""Part by which a given sampling rate may differ from that of the file's clock."""
 WORDS = {
     "km": r"kilom[eè]t(?:er|re)s?|kil[oó]metros?", "cm": r"centim[eè]t(?:er|re)s?",
     "m": r"m[eè]t(?:er|re)s?|metros?", "ms": r"milliseconds?|millisecondes?|milisegundos?",
@@ -80,9 +74,9 @@ def read_velocities(
     The columns are found by ``lin`` and by ``ang`` or ``yaw`` in their names, so that headers in
     French, English and Spanish serve alike, and a time column by ``time``, ``temps``, ``tiempo``.
     Columns with ``sd`` or ``std`` as a word in their names hold standard deviations: where one is
-    infinite, or a column ``valid`` is 0, the velocities are not valid. The names state the units,
-    as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that is not stated is asked for. A time column
-    is in s unless its name states another unit.
+    infinite, empty or below 0, or a column ``valid`` is 0, the velocities are not valid. The names
+    state the units, as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that is not stated is asked
+    for. A time column is in s unless its name states another unit.
 
     Parameters
     ----------
@@ -102,8 +96,7 @@ def read_velocities(
         do.
     """
     source = str(path)
-    text = read_text(path)
-    table = parse_numbers(text, source=source)
+    table = parse_numbers(read_text(path), source=source)
     header, values = table.header, table.numbers
     linear = _column(table, r"lin", "linear velocity ('lin')")
     angular = _column(table, r"ang|yaw", "angular velocity ('ang' or 'yaw')")
@@ -111,7 +104,7 @@ def read_velocities(
     table.check_finite([linear, angular, *clock])
     if clock:
         time_s = values[:, clock[0]] * _clock_unit(header[clock[0]], source)
-        rate = _even_rate(time_s, source, text)
+        rate = _even_rate(time_s, table)
         _check_given_rate(sampling_rate_hz, rate, source)
     elif sampling_rate_hz is None:
         raise InputError(
@@ -123,7 +116,7 @@ def read_velocities(
         time_s = np.arange(len(values)) / rate
     given = _given_units(units)
     speed, yaw = (
-        _in_si(table, place, quantity, given.get(quantity), text)
+        _in_si(table, place, quantity, given.get(quantity))
         for place, quantity in ((linear, "linear"), (angular, "angular"))
     )
     return VelocitySeries(time_s, speed, yaw, rate, _valid(table))
@@ -132,7 +125,8 @@ def read_velocities(
 def _valid(table: NumberTable) -> NDArray[np.bool_] | None:
     """Where the file's own columns do not say that the velocities are unknown."""
     names = [name.lower().strip() for name in table.header]
-    unknown = [np.isinf(table.numbers[:, k]) for k in _of_deviations(names)]
+    deviations = (table.numbers[:, k] for k in _of_deviations(names))
+    unknown = [~((sd >= 0) & (sd < np.inf)) for sd in deviations]
     unknown += [~(table.numbers[:, k] > 0) for k, name in enumerate(names) if name == "valid"]
     return ~np.any(unknown, axis=0) if unknown else None
 
@@ -168,20 +162,20 @@ def _clock_unit(name: str, source: str) -> float:
     """Seconds of one unit of a time column; s if its name states none."""
     bracketed = [text.strip() for text in _BRACKETED.findall(name) if text.strip()]
     words = re.split(r"[\s_,.]+", _BRACKETED.sub(" ", name).strip())[1:]
-    stated = [unit for text in (*bracketed, *words) if (unit := _shortened(text)) in CLOCK_UNITS]
+    stated = [unit for text in (*bracketed, *words) if (unit := _shortened(text)) in TIME_UNITS]
     if len(set(stated)) > 1 or (bracketed and not stated):
         raise InputError(
             f"{source}: column {quoted(name)}: expected one unit of time "
-            f"({', '.join(CLOCK_UNITS)}); rename it"
+            f"({', '.join(TIME_UNITS)}); rename it"
         )
-    return CLOCK_UNITS[stated[0]] if stated else 1.0
+    return TIME_UNITS[stated[0]] if stated else 1.0
 
 
 def _check_given_rate(given_hz: float | None, found_hz: float, source: str) -> None:
     if given_hz is None:
         return
     given_hz = check_rate(given_hz, source)
-    if abs(given_hz - found_hz) > LARGEST_DIFFERENCE * found_hz:
+    if abs(given_hz - found_hz) > LARGEST_RATE_DIFFERENCE * found_hz:
         raise InputError(
             f"{source}: its time column has {found_hz:g} Hz, but {given_hz:g} Hz is given "
             "(--sampling-rate-hz, or freqAcq of the settings); leave it out, or correct the column"
@@ -239,9 +233,7 @@ def _unit(name: str, velocity: str, given: str | None, source: str) -> str:
     return unit
 
 
-def _in_si(
-    table: NumberTable, place: int, velocity: str, given: str | None, text: str
-) -> FloatArray:
+def _in_si(table: NumberTable, place: int, velocity: str, given: str | None) -> FloatArray:
     """Velocities in m/s or rad/s; the unit is the column's, or what the user says."""
     unit = _unit(table.header[place], velocity, given, table.source)
     per = FACTORS[QUANTITIES[velocity]][unit]
@@ -250,32 +242,33 @@ def _in_si(
     if beyond.any():
         row = int(np.argmax(beyond))
         most = LARGEST[velocity] / per
+        line, name = line_of(table.text, row), quoted(table.header[place])
         raise InputError(
-            f"{table.source}: line {line_of(text, row)}, column {quoted(table.header[place])}: "
+            f"{table.source}: line {line}, column {name}: "
             f"{table.numbers[row, place]:g} {unit}, more than any chair does ({most:.4g} {unit}; "
             f"{int(beyond.sum())} such row(s)); is it damaged, or in another unit?"
         )
     return values
 
 
-def _even_rate(time_s: FloatArray, source: str, text: str) -> float:
+def _even_rate(time_s: FloatArray, table: NumberTable) -> float:
     """Sampling rate in Hz of a time column whose steps are even, which is checked."""
     with np.errstate(over="ignore", invalid="ignore"):
         step = np.diff(time_s)
         if len(step) == 0:
-            raise InputError(f"{source}: only one row")
+            raise InputError(f"{table.source}: only one row")
         usual = float(np.median(step))
         # Printed times are rounded: a step may be off by a rounding, not by half a sample.
         uneven = ~(np.abs(step - usual) <= 0.5 * abs(usual))
     if not usual > 0 or uneven.any():
         row = int(np.argmax(uneven)) if uneven.any() else 0
         raise InputError(
-            f"{source}: time steps from {time_s[row]:g} to {time_s[row + 1]:g} s at "
-            f"line {line_of(text, row + 1)}, expected even steps of {usual:.3g} s (gaps, "
+            f"{table.source}: time steps from {time_s[row]:g} to {time_s[row + 1]:g} s at "
+            f"line {line_of(table.text, row + 1)}, expected even steps of {usual:.3g} s (gaps, "
             "repeats and unsorted times are not allowed here)"
         )
     rate = round((len(time_s) - 1) / float(time_s[-1] - time_s[0]), 3)
-    return check_rate(rate, source, clock=True)
+    return check_rate(rate, table.source, clock=True)
 
 
 def _column(table: NumberTable, pattern: str, what: str) -> int:

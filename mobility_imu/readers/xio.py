@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from mobility_imu.readers.streams import GIVEN, Asked, Stream, stream_in_g_and_degrees
+from mobility_imu.readers.streams import GIVEN, TIME_UNITS, Asked, Stream, stream_in_g_and_degrees
 from mobility_imu.readers.table import parse_numbers
 
 ACCELEROMETER = [f"Accelerometer {axis} (g)" for axis in "XYZ"]
 GYROSCOPE = [f"Gyroscope {axis} (deg/s)" for axis in "XYZ"]
-CLOCKS = {"Time (s)": 1.0, "Timestamp (us)": 1e-6}
+CLOCKS = {"Time (s)": TIME_UNITS["s"], "Timestamp (us)": TIME_UNITS["us"]}
 PACKETS = "Packet number"
 READ = {*ACCELEROMETER, *GYROSCOPE, *CLOCKS, PACKETS}
 

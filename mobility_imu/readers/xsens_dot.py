@@ -20,7 +20,11 @@ CLOCK_RANGE = 2**32
 LARGEST_ACC_MPS2, LARGEST_GYR_DEGPS = 200.0, 2300.0
 """More than the sensor's ranges (16 g, 2000 deg/s); such a number is a damaged row."""
 MOST_HEADER_LINES = 30
-LARGEST_TICK_STEP = 1000.0
+"""Lines in which the names are looked for; files of the app have 11 before them. Set by hand."""
+LARGEST_TICK_STEP = 5000.0
+"""A usual step below it counts tenths of a millisecond, one above it microseconds. A DOT gives 1,
+4, 10, 12, 15, 20, 30, 60 or 120 samples a second (Movella DOT user manual, output rates): 4 Hz are
+steps of 2,500 in the one unit, 120 Hz of 8,333 in the other."""
 
 
 def is_xsens_dot(line: str) -> bool:
@@ -81,7 +85,8 @@ def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     # Written before the sensor's first sample.
     begin = int(np.argmax((values != 0).any(axis=1)))
     acc, gyr = values[:, :3], values[:, 3:]
-    possible = np.isfinite(values).all(axis=1)
+    count = table.columns(["SampleTimeFine"])[:, 0]
+    possible = np.isfinite(values).all(axis=1) & np.isfinite(count)
     possible &= (np.abs(acc) < LARGEST_ACC_MPS2).all(axis=1)
     possible &= (np.abs(gyr) < LARGEST_GYR_DEGPS).all(axis=1)
     started = np.arange(len(values)) >= begin
@@ -94,7 +99,7 @@ def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
         said.append(f"{source}: {damaged} damaged row(s) left out")
     return (
         Stream(
-            _seconds(table.columns(["SampleTimeFine"])[sound, 0]),
+            _seconds(count[sound]),
             acc[sound],
             np.deg2rad(gyr[sound]),
             source=source,
@@ -106,8 +111,9 @@ def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
 def _seconds(count: FloatArray) -> FloatArray:
     """Sensor's clock in s; it goes on where the counter starts again.
 
-    The app counts microseconds, the PC software tenths of a millisecond. A DOT gives 1 to 120
-    samples a second, so a usual step below 1,000 can only be the latter.
+    The app counts microseconds, the PC software tenths of a millisecond. The usual step tells which
+    (:data:`LARGEST_TICK_STEP`), except for a log of the PC software at 1 Hz, which is taken for the
+    app's at 100 Hz.
     """
     wraps = np.cumsum(np.diff(count, prepend=count[:1]) < -CLOCK_RANGE / 2)
     whole = count + CLOCK_RANGE * wraps

@@ -17,17 +17,20 @@ from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
-COUNTER_RANGE = 65536
+COUNTER_RANGE = 2**16
+"""The packet counter has 16 bits (Xsens, MT Low-Level Communication Protocol, PacketCounter)."""
 NEAR_END = COUNTER_RANGE - 2000
-"""A counter that starts again at 0 comes from above this."""
+"""A counter that starts again at 0 comes from above this: with 20 s lost at 100 Hz. Set by hand."""
 LARGEST_COUNTER = 2**53
 """From here on a float does not hold every whole number."""
 TICKS_PER_S = 10_000.0
-"""SampleTimeFine counts tenths of a millisecond."""
+"""SampleTimeFine counts tenths of a millisecond (same document: 10 kHz ticks)."""
 TICK_RANGE = 2**32
+"""SampleTimeFine has 32 bits (same document)."""
 COUNTERS = ("PacketCounter", "Counter")
 QUANTITIES = {"Acc": "acc", "Gyr": "gyr"}
 MOST_COMMENTS = 100
+"""Lines of comments that are read; exports of 2019 and later have 12. Set by hand."""
 BY_CHANCE = 0.05
 """Two counters that have nothing to do with each other begin as near as that one time in twenty.
 The packets that files share do not tell: counters of long files overlap wherever they begin."""

@@ -86,6 +86,27 @@ def test_several_files_that_stand_apart(ride, fails):
     assert line.endswith("files of one recording are one name: frame=f.csv,left_wheel=l.csv")
 
 
+@pytest.mark.parametrize(
+    "command",
+    [("simulate", "walker", "--seed", 1, "-o", "s"), ("reproduce",), ("fetch", "terrain-chair")],
+)
+def test_other_arguments_too_many_are_no_files_of_a_recording(fails, command):
+    assert "files of one recording" not in fails(*command, "b.csv", says=["extra argument"])
+
+
+@pytest.mark.parametrize(
+    "before", [("--quiet",), ("-q",), (), ("--sampling-rate-hz=100",), ("--",)]
+)
+def test_an_empty_argument_is_not_the_current_folder(fails, before):
+    fails("read", *before, "", says=["an argument is empty; the current folder is '.'"])
+    fails("wheelchair", "velocity", "--strict", "", says=["an argument is empty"])
+
+
+def test_an_empty_value_is_told_by_its_option(ride, fails):
+    fails("simulate", "walker", "--seed", 1, "-o", "", says=["the name is empty"])
+    fails(*angles(), "--method", "", says=["--method"])
+
+
 def test_version(works):
     assert works("--version").stdout.startswith("mobility-imu ")
 

@@ -92,3 +92,5 @@ def test_a_written_recording_says_where_its_times_begin(files, works):
     result = works("read", *files, "-o", "trial.csv")
     assert "its times count from its first sample: clock=same does not fit" in result.stderr
     assert "count from its first" not in works("read", "trial.csv", "-o", "again.csv").stderr
+    one = ",".join(f"{name}={name}.csv" for name in COLUMNS)
+    assert "count from its first sample" in works("read", one, "-o", "own.csv").stderr

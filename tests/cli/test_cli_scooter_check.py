@@ -45,6 +45,16 @@ def test_a_calibrated_scooter_agrees_with_its_stops(tmp_path, works, method):
 
 
 @pytest.mark.usefixtures("simulated")
+@pytest.mark.parametrize("command", ["calibrate", "check"])
+def test_a_gap_of_a_parked_recording_is_bridged_as_the_message_says(fails, works, command):
+    pd.read_csv(PARKED[0]).drop(index=range(300, 306)).to_csv("gap.csv", index=False)
+    line = ["scooter", command, "gap.csv", "--geometry", "geometry.toml", *POSES]
+    line += [PARKED[1], "-o", "m.toml"] if command == "calibrate" else []
+    fails(*line, says=["gap of 0.07 s", "give --fill-gaps-s"])
+    assert "gap(s) filled in with 6" in works(*line, "--fill-gaps-s", 0.07).stderr
+
+
+@pytest.mark.usefixtures("simulated")
 def test_poses_of_another_order_differ(tmp_path, works):
     poses = pd.read_csv(tmp_path / "poses.csv")
     poses[::-1].to_csv(tmp_path / "reversed.csv", index=False)

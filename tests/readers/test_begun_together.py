@@ -1,9 +1,11 @@
 """``clock=same`` for files whose times each count from their own start."""
 
+import re
+
 import dialects
 import numpy as np
 import pytest
-from test_dialects import RATE_HZ, made, quietly
+from test_dialects import RATE_HZ, assert_same, made, quietly
 
 from mobility_imu.errors import InputError
 from mobility_imu.readers.actigraph import read_actigraph
@@ -50,24 +52,29 @@ def actigraphs(recording, folder):
         (folder / name).mkdir()
         file = dialects.actigraph(of(recording, name, 200 * k), folder / name)
         if k:
-            changed(file, "T08:58:0", "T08:59:0")
-            changed(file, "T08:59:0", "T08:58:0")
-            lines = file.read_text().split("\n")
-            for row in range(11, len(lines)):
-                lines[row] = lines[row].replace("T08:58:01", "T08:58:03")
-                lines[row] = lines[row].replace("T08:58:00", "T08:58:02")
-            file.write_text("\n".join(lines))
+            head, *rows = re.split(r"^(?=2019-)", file.read_text(), flags=re.MULTILINE)
+            cells = [row.partition(",") for row in rows]
+            later = [
+                np.datetime64(stamp, "ns") + np.timedelta64(int(LATE_S * 1e9))
+                for stamp, *_ in cells
+            ]
+            rows = [f"{stamp},{rest}" for stamp, (_, _, rest) in zip(later, cells, strict=True)]
+            file.write_text(head + "".join(rows))
         yield f"{name}={file}"
+
+
+def experiment(recording, folder, late_s=0.0):
+    phone = dialects.phyphox(recording, folder)
+    (phone / "meta" / "time.csv").write_text(
+        f'"event","experiment time","system time"\n"START",0,{1715100946.5 + late_s}\n'
+    )
+    return phone
 
 
 def experiments(recording, folder):
     for k, name in enumerate(recording.sensors):
         (folder / name).mkdir()
-        phone = dialects.phyphox(of(recording, name, 200 * k), folder / name)
-        (phone / "meta" / "time.csv").write_text(
-            f'"event","experiment time","system time"\n"START",0,{1715100946.5 + LATE_S * k}\n'
-        )
-        yield f"{name}={phone}"
+        yield f"{name}={experiment(of(recording, name, 200 * k), folder / name, LATE_S * k)}"
 
 
 @pytest.mark.parametrize("write", [phones, actigraphs, experiments])
@@ -82,11 +89,76 @@ def test_times_of_day_in_the_files_say_which_began_later(tmp_path, write):
     np.testing.assert_allclose(body, recording.sensor("body").acc_mps2[200:][:count], atol=2e-3)
 
 
+@pytest.mark.parametrize("write", [phones, actigraphs, experiments])
+def test_files_that_a_trigger_began_whose_clocks_on_the_wall_differ(tmp_path, write):
+    """The first samples are of one moment, whatever the time of day in the files."""
+    recording = made(("lever", "body"), count=1000)
+    parts = list(write(recording, tmp_path))
+    found = understand([*parts, "clock=start"])
+    (said,) = [w for w in found.warnings if "one moment" in w]
+    assert (
+        said == "clock=start: the first samples of the files of lever, body are taken as one moment"
+    )
+    lever, body = (found.recording.sensor(n).acc_mps2 for n in ("lever", "body"))
+    count = len(lever)
+    assert count == pytest.approx(800, abs=2)
+    np.testing.assert_allclose(lever, recording.sensor("lever").acc_mps2[:count], atol=2e-3)
+    np.testing.assert_allclose(body, recording.sensor("body").acc_mps2[200:][:count], atol=2e-3)
+    assert found.lags == {}
+
+
+def test_stamps_of_any_kind_begin_at_one_moment(tmp_path):
+    """Seconds since switching on, packets of one receiver; sensors of one file stay together."""
+    recording = made(("frame", "left_wheel"))
+    frame = dialects.ximu3(of(recording, "frame"), tmp_path)
+    both = dialects.lpms(recording, tmp_path)
+    parts = [f"frame={frame}", f"left_wheel={both}#2", "clock=start"]
+    assert_same(quietly(parts), recording, tolerance=1e-5)
+    dialects.xsens_mt(recording, tmp_path)
+    left = tmp_path / "MT-LeftWheel.txt"
+    lines = left.read_text().split("\n")
+    left.write_text("\n".join([*lines[:3], *lines[53:]]))
+    found = quietly([tmp_path / "MT-Frame.txt", left, "clock=start"], sampling_rate_hz=RATE_HZ)
+    assert len(found) == pytest.approx(len(recording) - 50, abs=1)
+    for name, begin in (("frame", 0), ("left_wheel", 50)):
+        expected = recording.sensor(name).acc_mps2[begin:][: len(found)]
+        np.testing.assert_allclose(found.sensor(name).acc_mps2, expected, atol=1e-6)
+    lines = both.read_text().rstrip().split("\n")
+    moved = [
+        line for line in lines[1:] if line.split(",")[0] == "1" or float(line.split(",")[1]) >= 1
+    ]
+    both.write_text("\n".join([lines[0], *moved, ""]))
+    names = [f"frame={both}#1", f"left_wheel={both}#2", "clock=start"]
+    found = understand(names)
+    assert len(found.recording) == pytest.approx(len(recording) - 100, abs=1)
+    assert not any("one moment" in text for text in found.warnings)
+    (said,) = [text for text in found.warnings if "has no effect" in text]
+    assert said.endswith("one file, session or beginning of names has frame, left_wheel")
+    for names in ([tmp_path / "MT", "clock=start"], [both, "clock=start"]):
+        warned = understand(names, sampling_rate_hz=RATE_HZ).warnings
+        assert sum("clock=start has no effect" in text for text in warned) == 1
+
+
 def test_files_of_different_hours_share_no_time(tmp_path):
     parts = list(actigraphs(made(("lever", "body"), count=1000), tmp_path))
     changed(tmp_path / "body" / "actigraph.csv", "T08:58:", "T09:30:")
-    with pytest.raises(InputError, match="share no time"):
+    moved = r"share no time \(.*\); clock=same: begins by .*: lever \+0\.000 s, body \+1922\.000 s;"
+    with pytest.raises(InputError, match=moved):
         quietly([*parts, "clock=same"])
+
+
+@pytest.mark.parametrize("write", [dialects.sensor_logger, experiment])
+def test_local_time_is_not_taken_for_utc(tmp_path, write):
+    """ActiGraph writes the time on the wall, phones count from 1970 in UTC: hours apart."""
+    recording = made(("lever", "body"))
+    (tmp_path / "body").mkdir()
+    body = write(of(recording, "body"), tmp_path / "body")
+    lever = dialects.actigraph(of(recording, "lever"), tmp_path)
+    found = understand([f"lever={lever}", f"body={body}", "clock=same"])
+    (said,) = [w for w in found.warnings if w.startswith("clock=same: ")]
+    assert "the time of day in UTC (body) and local time (lever), so it is not used" in said
+    assert said.endswith("count from their file's start; did the files begin together?")
+    assert len(found.recording) == len(recording)
 
 
 def test_the_head_tells_the_start_where_no_row_does(tmp_path):

@@ -1,5 +1,7 @@
 """Clocks that stop early, jump back or lose samples: refused, or told with place and length."""
 
+import re
+
 import dialects
 import numpy as np
 import pytest
@@ -183,3 +185,38 @@ def test_a_gap_that_is_refused_is_longer_than_what_is_said():
     assert longest_silent_gap(0.2) == pytest.approx(0.3, abs=1e-5)
     assert longest_silent_gap(1e7) < 2  # no sensor is that slow
     one_clock({"frame": stream(np.r_[0:1:0.01, 1.09:2:0.01] + 0.3)}, "made")
+
+
+@pytest.mark.parametrize("write", [dialects.canonical, dialects.lpms])
+@pytest.mark.parametrize(("begin", "lost"), [(137, 1), (138, 1), (501, 28)])
+def test_a_gap_is_bridged_with_the_length_that_its_message_says(tmp_path, write, begin, lost):
+    """Neither rounding of the message nor of the clock brings the same refusal again."""
+    path = write(made(count=1000), tmp_path)
+    head, *rows = path.read_text().rstrip().split("\n")
+    late = 13 if write is dialects.lpms else 0
+    path.write_text("\n".join([head, *rows[:begin], *rows[begin + lost + late :], ""]))
+    with pytest.raises(InputError, match="to bridge it") as error:
+        quietly(path)
+    said = re.search(r"gap of (\S+) s", str(error.value))[1]
+    found = quietly(path, fill_gaps_s=float(said))
+    assert len(found) == pytest.approx(1000, abs=1)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda rows: [*rows[:500], *rows[600:]], r"gap of 1\.01 s after 4\.99 s"),
+        (lambda rows: [*rows[:500], *rows[499:]], "stands twice"),
+        (lambda rows: [*rows[:500], *rows[300:]], "runs backwards"),
+        (lambda rows: [*rows[:500], rows[500].replace("T", " "), *rows[501:]], "line 512, .*time"),
+        (lambda rows: [*rows[:500], rows[500].replace("-14T", "-34T"), *rows[501:]], "Timestamp: "),
+    ],
+    ids=["lost", "twice", "again", "no time", "no date"],
+)
+def test_stamps_of_rows_that_are_counted_show_what_was_changed(tmp_path, spoil, says):
+    """ActiGraph's rows are counted at the rate of its head; a table can be cut or joined."""
+    path = dialects.actigraph(made(count=1000), tmp_path)
+    lines = path.read_text().rstrip().split("\n")
+    path.write_text("\n".join([*lines[:11], *spoil(lines[11:]), ""]))
+    with pytest.raises(InputError, match=says):
+        quietly(path)

@@ -1,5 +1,6 @@
 """One simulated recording in every dialect gives the same recording; traps are told."""
 
+import gzip
 import warnings
 import zipfile
 
@@ -127,7 +128,7 @@ def test_a_common_clock_is_believed(tmp_path):
     assert_same(quietly(",".join([*parts, "clock=same"])), both)
     assert len(recording_files([*parts, "clock=same"])) == 2
     for wrong, says in (
-        ([*parts, "clock=mine"], "clock=mine: expected clock=same or clock=own"),
+        ([*parts, "clock=mine"], "clock=mine: expected clock=same, clock=own or clock=start"),
         ([*parts, *parts], "named twice"),
         (["clock=same", "clock=own"], "named twice"),
         (["a.csv"] * 13, "13 files, expected at most 12"),
@@ -379,6 +380,21 @@ def test_a_map_that_says_too_little_or_too_much(tmp_path, change, message):
     plan.write_text(MAP.replace(*change))
     with pytest.raises(InputError, match=message):
         understand(path, map_path=plan)
+
+
+@pytest.mark.parametrize("name", ["ride.csv", "RIDE.CSV.GZ", "ride.csv.gz"])
+def test_a_packed_file_is_known_by_its_content(tmp_path, name):
+    """Browsers and people rename what they save."""
+    recording = made()
+    packed = gzip.compress(dialects.canonical(recording, tmp_path).read_bytes())
+    (tmp_path / name).write_bytes(packed)
+    assert_same(quietly(tmp_path / name), recording)
+
+
+def test_an_array_of_objects_is_no_canonical_table(tmp_path):
+    (tmp_path / "a.json").write_text(made().to_frame().to_json(orient="records"))
+    with pytest.raises(InputError, match=r"unknown format.*--map"):
+        understand(tmp_path / "a.json")
 
 
 def test_what_fits_two_formats_or_none_is_refused(tmp_path):

@@ -39,8 +39,43 @@ def test_a_hole_in_the_rates_is_a_gap_as_one_in_the_accelerations(tmp_path, writ
 def test_the_message_says_that_the_rates_have_the_hole(tmp_path, write):
     folder = write(made(count=2000), tmp_path)
     drop(folder / "Gyroscope.csv", 500, 900)
-    with pytest.raises(InputError, match=r"in the rates, the longest of 4\.01 s after 4\.99 s \("):
+    says = (
+        r"gap of 4\.01 s after 4\.99 s .*: gap of 4\.01 s in the rates \(.*Gyroscope\.csv\); give"
+    )
+    with pytest.raises(InputError, match=says):
         quietly(folder)
+
+
+@WRITERS
+def test_a_gap_elsewhere_in_the_rates_is_not_named_as_the_cause(tmp_path, write):
+    """Neither one that is short enough to be bridged, nor a long one at another place."""
+    folder = write(made(count=2000), tmp_path)
+    acc = next(n for n in ("TotalAcceleration", "Accelerometer")
+               if (folder / f"{n}.csv").exists())  # fmt: skip
+    drop(folder / "Gyroscope.csv", 1500, 1505)
+    drop(folder / f"{acc}.csv", 500, 900)
+    with pytest.raises(
+        InputError, match=r"gap of 4\.01 s after 4\.99 s \(1 [^:]*\); give"
+    ) as error:
+        quietly(folder)
+    assert "in the rates" not in str(error.value)
+    drop(folder / "Gyroscope.csv", 1200, 1300)
+    with pytest.raises(InputError, match=r"gap of 4\.01 s after 4\.99 s \(2 [^:]*\); give"):
+        quietly(folder)
+    with pytest.raises(InputError, match=r"gap of 4\.01 s .* \(2 [^:]*\); give"):
+        quietly([f"lever={folder}", "clock=own"])
+
+
+def test_the_cause_moves_with_the_times(tmp_path):
+    """Files that are joined may be shifted; the cause stays with its samples."""
+    for name in ("lever", "body"):
+        (tmp_path / name).mkdir()
+        dialects.sensor_logger(made(count=2000), tmp_path / name)
+    drop(tmp_path / "body" / "Gyroscope.csv", 500, 900)
+    parts = [f"{name}={tmp_path}/{name}" for name in ("lever", "body")]
+    for clock in ("same", "start"):
+        with pytest.raises(InputError, match=r"body: gap of 4\.01 s .*in the rates \(body/Gyr"):
+            quietly([*parts, f"clock={clock}"])
 
 
 @WRITERS
@@ -103,12 +138,54 @@ ONE_PAUSE = [
 def test_a_pause_is_a_gap(tmp_path, separator):
     folder = dialects.phyphox(made(count=2000), tmp_path, separator)
     paused(folder, ONE_PAUSE, separator)
-    says = r"gap of 30 s after 7\.99 s .*1 pause\(s\) \(meta/time\.csv\).*--fill-gaps-s"
+    says = r"gap of 30 s after 7\.99 s .*: pause of 30 s \(meta/time\.csv\); give --fill-gaps-s"
     with pytest.raises(InputError, match=says):
         quietly(folder)
     found = understand(folder, fill_gaps_s=40)
     assert found.recording.time_s[-1] == pytest.approx(49.99, abs=0.02)
     assert any("a pause is a gap" in w for w in found.warnings)
+
+
+def moved_rates(folder, by_s):
+    """Rates with stamps of their own, as most phones have them."""
+    file = folder / "Gyroscope.csv"
+    head, *rows = file.read_text().rstrip().split("\n")
+    cells = [row.split(",") for row in rows]
+    rows = [",".join([f"{float(time) + by_s:.15E}", *values]) for time, *values in cells]
+    file.write_text("\n".join([head, *rows]))
+
+
+@pytest.mark.parametrize("by_s", [0.0, 0.003])
+def test_one_pause_is_told_once(tmp_path, by_s):
+    """It is no loss of the rates as well."""
+    folder = dialects.phyphox(made(count=2000), tmp_path)
+    paused(folder, ONE_PAUSE)
+    moved_rates(folder, by_s)
+    with pytest.raises(InputError, match=r": pause of 30 s \(meta/time\.csv\); give") as error:
+        quietly(folder)
+    assert str(error.value).count("pause of") == 1 and "in the rates" not in str(error.value)
+    found = understand(folder, fill_gaps_s=40)
+    assert sum("pause(s)" in w for w in found.warnings) == 1
+    assert not any("gap(s) in the rates" in w for w in found.warnings)
+
+
+@pytest.mark.parametrize("by_s", [0.0, 0.003])
+def test_the_cause_is_that_of_the_longest_gap(tmp_path, by_s):
+    """Of a pause of 2 s and a hole of 4 s in the rates, each is named at its place."""
+    folder = dialects.phyphox(made(count=2000), tmp_path)
+    short = [ONE_PAUSE[0], ONE_PAUSE[1], ("START", 8.0, 1715100956.594)]
+    paused(folder, short)
+    moved_rates(folder, by_s)
+    drop(folder / "Gyroscope.csv", 1200, 1600)
+    with pytest.raises(InputError, match=r": gap of 4\.01 s in the rates \([^)]*Gyroscope\.csv\);"):
+        quietly(folder)
+    with pytest.raises(InputError, match=r"gap of 4\.0\d s after 13\.9\d s .*in the rates"):
+        quietly(folder, fill_gaps_s=3.0)
+    found = understand(folder, fill_gaps_s=5.0)
+    assert any("1 gap(s) in the rates, the longest of 4.01 s" in w for w in found.warnings)
+    paused(folder, [*ONE_PAUSE[:2], ("START", 8.0, 1715100964.594)])
+    with pytest.raises(InputError, match=r"gap of 10 s after 7\.9\d s .*: pause of 10 s"):
+        quietly(folder)
 
 
 def test_a_pause_in_an_unpacked_folder_is_seen(tmp_path):

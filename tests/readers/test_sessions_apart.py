@@ -8,11 +8,14 @@ import pytest
 from test_dialects import assert_same, made, quietly
 
 from mobility_imu.errors import InputError
+from mobility_imu.readers.recordings import understand
+from mobility_imu.readers.sessions import read_session
+from mobility_imu.readers.streams import Asked
 
 
 def packed(folder):
     archive = folder.with_name(folder.name + ".zip")
-    with zipfile.ZipFile(archive, "w") as out:
+    with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as out:
         for file in sorted(p for p in folder.rglob("*") if p.is_file()):
             out.write(file, file.relative_to(folder))
     return archive
@@ -23,6 +26,13 @@ def study(folder, write, names=("P1", "P2")):
         (folder / name).mkdir(parents=True)
         write(made(seed=seed), folder / name)
     return folder
+
+
+def one_ngimu(recording, folder):
+    inner = next(dialects.ngimu(recording, folder).glob("NGIMU*"))
+    for file in inner.iterdir():
+        file.rename(folder / file.name)
+    inner.rmdir()
 
 
 def of_ios(recording, folder):
@@ -36,6 +46,19 @@ def test_two_phones_in_one_folder_are_not_mixed(tmp_path, write, zipped):
     with pytest.raises(InputError, match=r"holds 2 recordings: P1 \(.*\), P2 \(.*one of these"):
         quietly(packed(folder) if zipped else folder)
     assert_same(quietly(folder / "P2"), made(seed=1))
+
+
+@pytest.mark.parametrize("zipped", [False, True], ids=["folder", "archive"])
+@pytest.mark.parametrize("write", [dialects.ximu3, one_ngimu])
+def test_sensors_that_are_taken_as_one_session_are_told_with_their_folders(tmp_path, write, zipped):
+    """Two recordings of one sensor each lie as two sensors of one session do."""
+    folder = study(tmp_path / "day", write, names=("walk1", "walk2"))
+    path = packed(folder) if zipped else folder
+    (said,) = understand(path).warnings
+    assert said.startswith(f"{path}: sensors in walk1, walk2 taken as one session on one clock; if")
+    assert understand(folder / "walk2").warnings == ()
+    _, streams = read_session(path, Asked(own_clocks=True))
+    assert [stream.warnings for stream in streams] == [(), ()]
 
 
 def test_two_sessions_of_x_io_are_not_mixed(tmp_path):
@@ -84,3 +107,41 @@ def test_the_current_folder_has_a_name_and_nothing_has_none(tmp_path, monkeypatc
     for empty in ("", ["frame=a.csv", ""]):
         with pytest.raises(InputError, match="empty"):
             quietly(empty)
+
+
+def flipped(content):
+    at = content.index(b"Gyroscope.csv") + 200
+    return content[:at] + bytes(255 - byte for byte in content[at : at + 20]) + content[at + 20 :]
+
+
+def locked(content):
+    """The mark of a password on each member; their content stays."""
+    for mark, at in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        head, *rest = content.split(mark)
+        rest = [part[: at - 4] + bytes([part[at - 4] | 1]) + part[at - 3 :] for part in rest]
+        content = mark.join([head, *rest])
+    return content
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [(flipped, r"Gyroscope\.csv: cannot be read \("), (locked, "password")],
+    ids=["damaged", "password"],
+)
+def test_an_archive_that_cannot_be_read_is_refused(tmp_path, spoil, says):
+    path = packed(dialects.sensor_logger(made(), tmp_path))
+    path.write_bytes(spoil(path.read_bytes()))
+    with pytest.raises(InputError, match=says):
+        quietly(path)
+
+
+@pytest.mark.parametrize("write", [dialects.sensor_logger, dialects.phyphox])
+def test_rates_that_cannot_be_read_are_not_left_out(tmp_path, write):
+    """An app writes an empty file for a sensor that a phone has not; a damaged one is a fault."""
+    folder = write(made(), tmp_path)
+    (folder / "Gyroscope.csv").write_bytes(b"")
+    (phone,) = quietly(folder).sensors.values()
+    assert phone.gyr_radps is None
+    (folder / "Gyroscope.csv").write_bytes(b"\x00\xff\xfe")
+    with pytest.raises(InputError, match=r"Gyroscope\.csv: not a text file"):
+        quietly(folder)

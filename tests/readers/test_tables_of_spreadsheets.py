@@ -1,5 +1,6 @@
 """Tables that went through a spreadsheet, and what messages advise where one cannot be read."""
 
+import json
 import re
 
 import dialects
@@ -181,17 +182,57 @@ def test_a_map_that_contradicts_a_name_is_told(tmp_path):
     [
         dialects.canonical, dialects.lpms, dialects.ximu3, dialects.apdm, dialects.shimmer,
         dialects.actigraph, dialects.physics_toolbox,
+        dialects.sensor_logger, dialects.phyphox, dialects.apdm_format_7,
     ],
     ids=lambda w: w.__name__,
 )  # fmt: skip
 @pytest.mark.parametrize("cell", ["", "NaN", "inf"])
 def test_a_cell_without_a_number_is_named_by_its_line(tmp_path, write, cell):
-    path = write(made(), tmp_path)
+    given = write(made(), tmp_path)
+    path = given / "Gyroscope.csv" if given.is_dir() else given
     lines = path.read_text().split("\n")
     mark = max(";,", key=lines[100].count)
     cells = lines[100].split(mark)
     cells[3] = cell
     lines[100] = mark.join(cells)
     path.write_text("\n".join(lines))
-    with pytest.raises(InputError, match=r"line 101, column .*\(1 such row.*--fill-gaps-s"):
-        quietly(path, expected=("frame",))
+    says = rf"{path.name}: line 101, column .*\(1 such row.*--fill-gaps-s"
+    with pytest.raises(InputError, match=says):
+        quietly(given, expected=("frame",))
+
+
+@pytest.mark.parametrize("write", [dialects.sensor_logger, dialects.phyphox])
+def test_a_time_without_a_number_is_named_by_its_line(tmp_path, write):
+    folder = write(made(), tmp_path)
+    path = folder / "Gyroscope.csv"
+    lines = path.read_text().split("\n")
+    cells = lines[100].split(",")
+    cells[1 if "seconds_elapsed" in lines[0] else 0] = ""
+    lines[100] = ",".join(cells)
+    path.write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r"Gyroscope\.csv: line 101, column .*\(1 such row"):
+        quietly(folder)
+
+
+@pytest.mark.parametrize("key", ["ax", "t"])
+def test_a_sample_of_json_without_a_number_is_named(tmp_path, key):
+    keys = ["t", "ax", "ay", "az"]
+    rows = [dict(zip(keys, (k / 100, 0.1, 0.2, 9.8), strict=True)) for k in range(300)]
+    rows[99][key] = float("nan")
+    (tmp_path / "a.json").write_text(json.dumps(rows))
+    (tmp_path / "map.toml").write_text(
+        '[clock]\ncolumn = "t"\nunit = "s"\n[sensors.frame]\nacc = ["ax", "ay", "az"]\n'
+        'acc_unit = "m/s2"\n'
+    )
+    with pytest.raises(InputError, match=rf"a\.json: sample 99, column {key}: .*--fill-gaps-s"):
+        understand(tmp_path / "a.json", map_path=tmp_path / "map.toml")
+
+
+@pytest.mark.parametrize("cell", ["", "nan"])
+def test_a_row_without_the_number_of_its_sensor_is_named(tmp_path, cell):
+    path = dialects.lpms(made(), tmp_path)
+    lines = path.read_text().split("\n")
+    lines[100] = cell + lines[100][lines[100].index(",") :]
+    path.write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r"line 101, column SensorId: .*\(1 such row"):
+        quietly(path)

@@ -82,3 +82,13 @@ def test_units_count_wherever_they_stand(written, name):
 def test_units_of_the_yaw_rate_count_wherever_they_stand(written, name):
     found = read_velocities(written("time_s", angular=name))
     assert np.allclose(found.yaw_rate_radps, np.deg2rad(0.5))
+
+
+@pytest.mark.parametrize("name", ["linear velocity sd (m/s)", "yaw_rate_std_degps"])
+@pytest.mark.parametrize("cell", ["inf", "nan", "", "-0.1"])
+def test_velocities_without_a_standard_deviation_are_not_valid(written, name, cell):
+    path = written("time_s")
+    head, *rows = path.read_text().rstrip().split("\n")
+    rows = [f"{row},{cell if k in (3, 4) else 0.1}" for k, row in enumerate(rows)]
+    path.write_text("\n".join([f"{head},{name}", *rows, ""]))
+    assert np.flatnonzero(~read_velocities(path).valid).tolist() == [3, 4]

@@ -108,9 +108,7 @@ class TestXio:
         np.testing.assert_allclose(found.acc_mps2, [[0, 0, G], [G / 2, 0, G]])
 
     def test_gravity_free_tables_are_refused(self):
-        with pytest.raises(
-            InputError, match=r"linear.csv: no column Gyroscope X \(deg/s\)|Acceler"
-        ):
+        with pytest.raises(InputError, match=r"linear\.csv: no column Accelerometer X \(g\), "):
             read_xio("Time (s),X (g),Y (g),Z (g)\n0,0,0,0\n", "linear.csv", Asked())
 
 
@@ -134,7 +132,13 @@ class TestJsonSamples:
             ("[3]", "sample 0 is no object"),
             (json.dumps([ROW]), "sample 0: timestamp is None"),
             (json.dumps([ROW | {"timestamp": "noon"}]), "timestamp is 'noon'"),
-            (json.dumps([ROW | {"timestamp": "nan"}]), "finite"),
+            (
+                json.dumps([ROW | {"timestamp": "nan"}]),
+                "column timestamp: expected a number",
+            ),
+            (json.dumps([ROW | {"timestamp": 10**400}]), "timestamp is 1000"),
+            (json.dumps([ROW | {"timestamp": 1, "gy_x": True}]), "gy_x is True"),
+            (json.dumps([ROW | {"timestamp": "1_0"}]), "timestamp is '1_0'"),
             ("[" * 100_000, "no JSON"),
         ],
     )
@@ -158,13 +162,14 @@ class TestXsensDot:
             (3, 25999, 0, 0, 0, 9.8, 0, 1e19, 0),
             (4, 34332, 0, 0, "inf", 9.8, 0, 0, 0),
             (5, 42665, 0, 0, 0, 9.7, 0, 90, 0),
+            (6, "", 0, 0, 0, 9.8, 0, 0, 0),
         ]
         (found,) = read_xsens_dot(self.text(rows), "CAR.csv", Asked())
         np.testing.assert_allclose(found.time_s, [0.009333, 0.042665])
         np.testing.assert_allclose(found.gyr_radps, [[np.pi, 0, 0], [0, np.pi / 2, 0]])
         assert found.warnings == (
             "CAR.csv: 1 row(s) of zeros at the beginning left out",
-            "CAR.csv: 3 damaged row(s) left out",
+            "CAR.csv: 4 damaged row(s) left out",
         )
 
     def test_the_clock_goes_on_where_it_starts_again(self):
@@ -172,6 +177,17 @@ class TestXsensDot:
         (found,) = read_xsens_dot(self.text(rows, "DeviceTag:,a\n\n"), "a", Asked())
         np.testing.assert_allclose(np.diff(found.time_s), 0.008333, rtol=1e-6)
         assert found.warnings == ()
+
+    @pytest.mark.parametrize(
+        ("per_s", "rates_hz"),
+        [(1e4, (4, 10, 12, 15, 20, 30, 60, 120)), (1e6, (1, 4, 10, 12, 15, 20, 30, 60, 120))],
+        ids=["PC", "app"],
+    )
+    def test_each_rate_of_a_dot_in_the_units_of_app_and_computer(self, per_s, rates_hz):
+        for rate in rates_hz:
+            rows = [(k, round(k * per_s / rate), 0, 0, 0, 9.8, 1, 0, 0) for k in range(6)]
+            (found,) = read_xsens_dot(self.text(rows), "a.csv", Asked())
+            np.testing.assert_allclose(np.diff(found.time_s), 1 / rate, rtol=0.02)
 
     @pytest.mark.parametrize(
         ("text", "says"),
@@ -290,9 +306,7 @@ class TestMatlab:
     def test_damaged_files_are_one_line(self, size):
         buffer = io.BytesIO()
         savemat(buffer, {"ts": np.arange(100.0)}, do_compression=True)
-        with pytest.raises(
-            InputError, match=r"a\.mat: no MATLAB file|a\.mat: no variable"
-        ) as error:
+        with pytest.raises(InputError, match=r"a\.mat: no MATLAB file") as error:
             parse_matlab(buffer.getvalue()[:size], ["ts"], "a.mat")
         assert "\n" not in str(error.value)
 

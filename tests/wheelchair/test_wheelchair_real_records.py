@@ -27,11 +27,13 @@ from mobility_imu.reproduction.wheelchair.real_common import (
     spectrum,
     spread,
 )
+from mobility_imu.reproduction.wheelchair.real_drives import BY_HAND, load_ridden
 from mobility_imu.reproduction.wheelchair.recorded_real import (
     REAL_RECORDS,
     real_note,
     real_numbers,
 )
+from mobility_imu.wheelchair.faults import sensor_faults
 
 LARGEST_BYTES = 60_000
 
@@ -51,6 +53,19 @@ def test_a_record_has_origin_command_files_rows_and_summary(name):
     path = recorded.recorded_folder() / f"{name}.json"
     assert path.stat().st_size < LARGEST_BYTES
     assert not re.search(r"/(?:home|root|tmp|work|mnt)/\w", path.read_text())
+
+
+@pytest.mark.skipif(not here("real_drives"), reason="the drives are not here")
+def test_in_five_of_six_drives_the_wheels_gravity_speaks_against_their_names():
+    """As the note of ``mobility-imu fetch terrain-chair`` says."""
+    mirrored = []
+    for name in BY_HAND:
+        drive = load_ridden(find_folder(REAL_RECORDS["real_drives"][0]), name)
+        found = sensor_faults(
+            drive.recording, drive.chair, drive.calibration.mount, offsets=drive.calibration.offsets
+        )
+        mirrored.append(any(fault.code == "mirrored" for fault in found))
+    assert len(mirrored) == 6 and sum(mirrored) == 5
 
 
 @pytest.mark.parametrize("name", REAL_RECORDS)
