@@ -29,11 +29,13 @@ from pathlib import Path
 NAME = "forked"
 """Name of the kernel spec."""
 LOADED = (
-    *("ipykernel.kernelapp", "ipykernel.ipkernel", "matplotlib_inline.backend_inline"),
-    *("numpy", "scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.signal"),
-    *("scipy.spatial.transform", "scipy.stats", "pandas", "matplotlib.pyplot", "numba", "sympy"),
+    *("ipykernel.kernelapp", "ipykernel.ipkernel", "numpy", "pandas", "numba", "sympy"),
+    *("scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.signal", "scipy.stats"),
+    *("scipy.spatial.transform", "matplotlib.figure", "matplotlib.backends.backend_agg"),
 )
-"""What a kernel has loaded when it begins."""
+"""What a kernel has loaded when it begins; not pyplot, which asks for the kernel it is in."""
+INLINE = "module://matplotlib_inline.backend_inline"
+"""Matplotlib's backend in a kernel; it is read when matplotlib is loaded."""
 PATIENCE_S = 60.0
 """Time for the process to load this on a busy machine."""
 
@@ -102,6 +104,7 @@ class Kernels(socketserver.ForkingMixIn, socketserver.UnixStreamServer):
 def serve(address: str) -> None:
     """Load, then fork at each request."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # who started this ends it
+    os.environ["MPLBACKEND"] = INLINE
     for name in LOADED:
         importlib.import_module(name)
     gc.freeze()  # forks share these pages

@@ -67,6 +67,21 @@ def test_libraries_are_loaded_and_nothing_of_this_project(spec):
         assert value("__import__('os').getcwd()") == repr(os.getcwd())
 
 
+def test_figures_are_shown(spec):
+    """By show, and at the end of a cell."""
+    for code in ("plt.plot([1, 2]); plt.show()", "plt.plot([1, 2]);"):
+        with kernel(spec) as (manager, _):
+            client = manager.client()
+            client.start_channels()
+            shown = []
+            client.execute_interactive(
+                f"import matplotlib.pyplot as plt; {code}", output_hook=shown.append, timeout=60
+            )
+            client.stop_channels()
+        kinds = [list(m["content"]["data"]) for m in shown if m["msg_type"] == "display_data"]
+        assert len(kinds) == 1 and "image/png" in kinds[0]
+
+
 def test_kernels_share_nothing(spec):
     with kernel(spec) as (_, first), kernel(spec) as (_, second):
         first("setattr(__import__('numpy'), 'mine', 1)")
