@@ -56,7 +56,7 @@ class FusionSettings:
     mg at most (data sheets of InvenSense MPU-6050, Bosch BMI160, ST LSM6DS3), 15 mg as one standard
     deviation; scale up to 3 %, cross-axis 1 to 2 % at most, and half a degree by hand; a gyroscope
     reads up to 3 deg/s at rest, 1.1 deg/s as one standard deviation. What a bent scale, a cable or
-    warmth do to an acceleration lasts as long as a posture, ten seconds.
+    warmth do to an acceleration is taken to last for ten seconds.
 
     Parameters
     ----------

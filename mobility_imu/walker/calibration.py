@@ -69,11 +69,11 @@ Method = Literal["four-tilts", "two-tilts", "all-samples"]
 _METHODS: tuple[Method, ...] = ("four-tilts", "two-tilts", "all-samples")
 
 FOOTPRINT_OFF_M, OTHER_WAY_OFF_M = 0.1, 0.04
-"""A side of the footprint by the arcs that is told if it is so far from the tape's; and with the
-sides exchanged, if they then fit twice as well. Our choice: the largest error of 60 simulated
-calibrations of the level "realistic" is 6 cm. Of 100 of the level "real", whose sensors have larger
-errors, 15 are told; at 11 cm 12, at 12 cm 7. None of the 160 fits twice as well with its sides
-exchanged."""
+"""Differences, in m, between a side of the footprint by the arcs and by the tape. From the first on
+the side is told; from the second on it is, if the sides fit twice as well when they are exchanged.
+Our choice: the largest error of 60 simulated calibrations of the level "realistic" is 6 cm. Of 100
+of the level "real", whose sensors have larger errors, 15 are told (at a limit of 11 cm 12, of 12 cm
+7). None of the 160 fits twice as well with its sides exchanged."""
 _VELOCITY_TILT_RAD = float(np.deg2rad(3))
 # What an edge across x or across y says: the component of the position, and opposite edges.
 _ACROSS = {"front": 0, "back": 0, "right": 1, "left": 1}

@@ -102,8 +102,8 @@ class NavigationSettings:
         by millimetres per second; larger noise factors for what 200 samples per second leave of the
         hits. The gyroscope's offset is assumed to be as small as a data sheet says (0.25 deg/s,
         LORD 3DM-GX3-25), since a person who waits at the start sways by more;
-        ``estimate_trajectory`` takes off a larger one that longer rests
-        show. The sizes were chosen on 28 public walks with motion capture and given rests.
+        ``estimate_trajectory`` takes off a larger one that longer rests show. The sizes were chosen
+        on 28 public walks with motion capture and given rests.
 
         A foot swings faster than many gyroscopes can read. Where the readings end is to be given:
         what is cut off there costs more than all noise.

@@ -89,7 +89,8 @@ def random_court_errors(
     Parameters
     ----------
     seeds : of the courts
-    both_wheels_share : of the episodes of slip, in which both wheels slip alike, 0 to 1
+    both_wheels_share : of the episodes of slip, in which both wheels slip, by amounts that
+        differ by up to 20 %, 0 to 1
     executor : anything with ``submit``; None computes here, one court after the other
 
     Returns
