@@ -15,6 +15,9 @@ from sphinx.util.docutils import SphinxDirective
 import mobility_imu.reproduction.findings as source
 
 DATA = Path(source.__file__).with_name("findings.toml")
+READING = "The interpretation in which the authors are right"
+READINGS = {"silence": "What is most natural to assume"}
+"""What the reading of a finding is, by its kind; READING for the others."""
 
 
 def shown(value):
@@ -61,7 +64,7 @@ class Findings(SphinxDirective):
         for passage in finding.quotation:
             lines += [quoted(passage), ""]
         lines += [
-            f"**The interpretation in which the authors are right.** {finding.reading}",
+            f"**{READINGS.get(finding.kind, READING)}.** {finding.reading}",
             "",
             f"**What would decide the question.** {finding.settles}",
             "",
