@@ -113,7 +113,7 @@ def chronogram(
             list(Task), [f"{100 * ((task == code) & known).mean():.0f} %" for code in Task]
         )
         share.tick_params(length=0)
-        share.set_ylabel("share of time")
+        share.set_ylabel("fraction of time")
         share.spines["right"].set_visible(False)
         _clock_axis(bands, duration)
         if not known.all():

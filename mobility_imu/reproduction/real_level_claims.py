@@ -52,7 +52,7 @@ class Headline(NamedTuple):
 
 _OFFSET = (
     "the accelerometers get new offsets (0.2 m/s²) whenever they are switched on, also after the "
-    "calibration"
+    "calibration, and the ride shakes them more"
 )
 _CLOCKS = "half of the error comes from clocks that differ by up to 30 ms"
 _GYROSCOPES = (
