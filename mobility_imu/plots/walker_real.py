@@ -32,7 +32,7 @@ def plot_unlabelled(steps: Sequence[Mapping[str, Any]], columns: int = 3) -> Fig
     rows = -(-len(steps) // columns)
     with use_style():
         figure, axes = plt.subplots(
-            rows, columns, figsize=(8.8, 2.6 if rows == 1 else 1.5 * rows + 0.8),
+            rows, columns, figsize=(8.8, 2.6 if rows == 1 else 1.4 * rows + 0.7),
             sharey=True, squeeze=False,
         )  # fmt: skip
         for ax, step in zip(axes.flat, steps, strict=False):

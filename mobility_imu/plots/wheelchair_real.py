@@ -69,7 +69,7 @@ def plot_errors_over_time(series: Sequence[Numbers], *, rocking: bool = True) ->
 
     with use_style():
         figure, axes = plt.subplots(
-            2, len(series), figsize=(8.6, 4.8), sharex="col", sharey="row", squeeze=False
+            2, len(series), figsize=(8.6, 4.5), sharex="col", sharey="row", squeeze=False
         )
         for (top, bottom), one in zip(axes.T, series, strict=True):
             time_s, true, error, sd = (
@@ -173,7 +173,7 @@ def plot_trials(rows: Sequence[Numbers], simulated: Numbers) -> Figure:
     names = [row["trial"] for row in rows]
     place = np.arange(len(rows))[::-1]
     with use_style():
-        figure, ax = plt.subplots(figsize=(7.6, 4.6))
+        figure, ax = plt.subplots(figsize=(7.6, 4.3))
         ax.axvspan(
             simulated["least"], simulated["most"], color="#E4E4E4", label="simulated, all courts"
         )
@@ -211,7 +211,7 @@ def plot_wheels_and_frame(series: Mapping[str, Numbers]) -> Figure:
 
     with use_style():
         figure, axes = plt.subplots(
-            2, len(series), figsize=(8.6, 4.8), sharex="col", sharey="row", squeeze=False
+            2, len(series), figsize=(8.6, 4.5), sharex="col", sharey="row", squeeze=False
         )
         for (top, bottom), (title, one) in zip(axes.T, series.items(), strict=True):
             time_s = one["time_s"]

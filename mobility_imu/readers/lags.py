@@ -66,7 +66,7 @@ FIRST_STEP_S, LAST_STEP_S = 0.03, 1e-5
 MOST_CLOCKS = 5
 """One more than a device and a reference have; each doubles the ways in which they are divided."""
 MOST_SAMPLES = 24_000
-"""Samples that are looked at once the lag is nearly known, 20 minutes at :data:`GRID_HZ`; of a
+"""Samples that are looked at once the lag is nearly known, 20 minutes at 20 Hz; of a
 longer recording fewer a second."""
 
 

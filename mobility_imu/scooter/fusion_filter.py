@@ -444,7 +444,7 @@ def plain(function: Any) -> Any:
 
     Parameters
     ----------
-    function : made by :func:`~mobility_imu._compiled.compiled`
+    function : a compiled one
 
     Returns
     -------

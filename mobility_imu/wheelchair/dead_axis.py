@@ -84,7 +84,7 @@ def without_axis(
     ----------
     recording : Recording
     sensor : "frame", "left_wheel" or "right_wheel"
-    axis : 0, 1 or 2; of the axle, or of up on the frame, no more than :data:`LARGEST_PART` is its
+    axis : 0, 1 or 2; its part in the axle, or in up on the frame, squared, is at most 0.9
     flags : (n,) bool array, the samples in which it is dead; its other readings stay
     geometry : WheelchairGeometry
     mount : WheelchairMount
