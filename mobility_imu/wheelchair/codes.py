@@ -27,7 +27,7 @@ class Task(IntEnum):
 
     @property
     def title(self) -> str:
-        """The name as a reader knows it."""
+        """Name of the task in words."""
         return {
             Task.STATIC: "static",
             Task.FORWARD: "forward propulsion",
@@ -51,7 +51,7 @@ def as_codes(
     ----------
     codes : (n,) array of whole numbers
     name : what to call it in the error message
-    known : codes that may stand there; those of :class:`Task` if not given
+    known : codes that are allowed; those of :class:`Task` if not given
     length : number of codes expected, if it is known
 
     Returns
