@@ -73,7 +73,8 @@ def draw_faults(faults: Sequence[Drawn]) -> Figure:
             row[0].set_title(fault.title)
         for ax in axes[-1]:
             ax.set_xlabel("time, s")
-        axes[0, 1].legend(loc="best")
+        handles = axes[0, 1].get_legend_handles_labels()
+        figure.legend(*handles, loc="outside lower center", ncols=2)
     return figure
 
 

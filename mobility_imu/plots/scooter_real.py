@@ -112,7 +112,8 @@ def plot_chain_errors(series: Mapping[str, Numbers]) -> Figure:
         axes[0, 0].set_ylabel("true angle, deg")
         for ax in axes[1:, 0]:
             ax.set_ylabel("error, deg")
-        axes[-1, 0].legend(loc="lower left", ncols=2)
+        handles = axes[-1, 0].get_legend_handles_labels()
+        figure.legend(*handles, loc="outside lower center", ncols=2)
     return figure
 
 

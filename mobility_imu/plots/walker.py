@@ -64,7 +64,7 @@ def _draw_frames() -> Figure:
     brace = [p + 0.3 * (top[n] - p) for n, p in zip("AB", (a, b), strict=True)]
     _line(axes, *brace, color="0.5", linewidth=3)
     for name, foot, shift in (
-        ("A front left", a, (0.02, 0.03)),
+        ("A front\nleft", a, (0.02, 0.0)),
         ("B front right", b, (0.03, -0.03)),
         ("C rear right", c, (0.03, -0.03)),
         ("D rear left", d, (-0.30, -0.05)),

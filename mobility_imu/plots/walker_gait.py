@@ -170,7 +170,7 @@ def plot_sweeps(sweeps: Sequence[dict[str, Any]]) -> Figure:
             ax.axvline(sweep["chosen"], color="0.45", linestyle=":", linewidth=2)
             ax.annotate(
                 "used",
-                (sweep["chosen"], 3),
+                (sweep["chosen"], 50),
                 xytext=(4, 0),
                 textcoords="offset points",
                 color="0.35",

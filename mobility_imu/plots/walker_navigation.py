@@ -82,7 +82,7 @@ def plot_threshold_sweep(table: pd.DataFrame, chosen: float) -> Figure:
             panels[1].plot(rate, rows["still, %"], label=level, **cue(k))
             panels[1].axhline(rows["standing, %"].iloc[0], linestyle=":", color=cue(k)["color"])
         panels[0].set_ylabel("distance, found minus true, m")
-        panels[1].set_ylabel("share of still samples, %")
+        panels[1].set_ylabel("samples found still, %")
         for ax in panels:
             ax.set_xscale("log")
             ax.axvline(chosen, color="0.6", linestyle="-", linewidth=4, alpha=0.4, zorder=0)
@@ -90,7 +90,7 @@ def plot_threshold_sweep(table: pd.DataFrame, chosen: float) -> Figure:
             ax.set_xticklabels([f"{rate:g}" for rate in table["rate, rad/s"].unique()])
             ax.minorticks_off()
             ax.set_xlabel("rate threshold, rad/s")
-        panels[1].text(0.021, table["standing, %"].max() + 0.5, "stands (dotted)", fontsize=9)
+        panels[1].text(0.021, table["standing, %"].max() + 0.5, "frame at rest (dotted)", fontsize=9)
         panels[0].legend(loc="lower left")
         return figure
 

@@ -97,7 +97,7 @@ def draw_document_frames(geometry: WheelchairGeometry | None = None) -> Figure:
         for row, printed in enumerate((True, False)):
             _draw_wheel(axes[row, 0], geometry, printed=printed)
             _draw_chair(axes[row, 1], geometry, printed=printed)
-            axes[row, 0].set_title("As printed" if printed else "In this book")
+            axes[row, 0].set_title("In the document" if printed else "In this book")
         figure.supxlabel(
             "x = X,   y = −Z,   z = Y\n(small: this book; capitals: the document)",
             fontsize=SMALL_PT,

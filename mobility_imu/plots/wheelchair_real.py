@@ -270,15 +270,9 @@ def plot_tracks(rows: Sequence[Numbers]) -> Figure:
                 capsize=3,
                 label=f"calibrated on {line_name.replace('_', ' ')}",
             )
-        ax.plot(
-            np.arange(len(judged)),
-            [1000 * row["track_by_hand_m"] for row in judged],
-            "_",
-            color="black",
-            markersize=34,
-            markeredgewidth=2,
-            label="by hand",
-        )
+        at = np.arange(len(judged))
+        by_hand = [1000 * row["track_by_hand_m"] for row in judged]
+        ax.hlines(by_hand, at - 0.21, at + 0.21, color="black", linewidth=2, label="by hand")
         ax.set_xticks(range(len(judged)), [row["drive"].replace("_", " ") for row in judged])
         ax.set_xlim(-0.5, len(judged) - 0.5)
         ax.set_ylabel("track, mm")
