@@ -90,7 +90,7 @@ def plot_threshold_sweep(table: pd.DataFrame, chosen: float) -> Figure:
             ax.set_xticklabels([f"{rate:g}" for rate in table["rate, rad/s"].unique()])
             ax.minorticks_off()
             ax.set_xlabel("rate threshold, rad/s")
-        panels[1].text(0.021, table["standing, %"].max() + 0.5, "frame at rest (dotted)", fontsize=9)
+        panels[1].text(0.021, table["standing, %"].max() + 0.5, "at rest (dotted)", fontsize=9)
         panels[0].legend(loc="lower left")
         return figure
 
