@@ -85,7 +85,7 @@ def _draw(ax: Axes, time_s: FloatArray, pair: Pair) -> None:
 
 
 def draw_percentages(counts: Mapping[str, pd.DataFrame]) -> Figure:
-    """Draw which part of the faults that matter is told, by kind and device.
+    """Draw the percentage of the faults that matter and are reported, by kind and device.
 
     Parameters
     ----------
@@ -115,6 +115,6 @@ def draw_percentages(counts: Mapping[str, pd.DataFrame]) -> Figure:
                 )  # fmt: skip
             ax.set_yticks(places, [f"{kind} ({n})" for kind, n in seen["matter"].items()])
             ax.tick_params(axis="y", labelsize=8, length=0)
-            ax.set(xlim=(0, 100), ylim=(-0.6, tallest - 0.4), xlabel="told, %", title=device)
+            ax.set(xlim=(0, 100), ylim=(-0.6, tallest - 0.4), xlabel="reported, %", title=device)
             ax.grid(visible=False, axis="y")
     return figure

@@ -115,8 +115,9 @@ def test_the_page_states_how_many_speeds_of_real_chairs_are_within_twice_their_d
     }
     page = " ".join((ROOT / "book" / "how_to_use.md").read_text().split())
     assert inside == {"real_chair_mocap": 98, "held_chairs": 97, "dropped_chairs": 89}
-    assert "98 % of the speeds are within it in the trials that were chosen (97 % in those" in page
-    assert "the trials that the choice left out it is 89 %" in page
+    assert "98 % of the speeds are within twice their deviation" in page
+    assert "in the held-back trials 97 %." in page
+    assert "In the trials that the choice left out, 89 % are." in page
 
 
 def test_a_fault_that_was_found_is_named_where_the_estimate_refuses(tmp_path, fails):

@@ -111,7 +111,7 @@ def test_tables_in_g_and_without_gravity_are_refused():
 
 def test_units_are_those_that_are_known():
     known = {*FACTORS["speed"], *FACTORS["gyr"]}
-    sentence = re.search(r"Known are (.*?)\. If", PAGE, re.DOTALL)[1]
+    sentence = re.search(r"The program knows (.*?)\. If", PAGE, re.DOTALL)[1]
     assert set(re.split(r",\s|\sand\s", sentence)) == known
 
 
