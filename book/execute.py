@@ -29,7 +29,7 @@ sys.path[:0] = [
     str(ROOT / "book"),
 ]  # the package of this checkout, whichever is installed
 
-from kernels import forked_kernels  # noqa: E402
+from kernels import ONE_THREAD, forked_kernels  # noqa: E402
 from modules import write_pages  # noqa: E402
 
 from mobility_imu.reproduction import imports  # noqa: E402
@@ -103,10 +103,8 @@ def execute(chosen: list[Path]) -> int:
         return 0
     # Longest first, so that no core waits at the end for a long one.
     order = sorted(stale, key=lambda n: -seconds_of(EXECUTED / n))
-    # One thread for each kernel: the kernels share the cores.
     environment = {
-        "OMP_NUM_THREADS": "1",
-        "OPENBLAS_NUM_THREADS": "1",
+        **ONE_THREAD,
         # Compiled from the first call on: readable forms differ in the last digits.
         "MOBILITY_IMU_COMPILE": "always",
         **os.environ,

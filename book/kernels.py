@@ -5,7 +5,7 @@ is loaded here: each notebook imports what it uses, and runs in a process of its
 
 Jupyter starts this file as it starts any kernel. It asks the process for a fork, and ends with it:
 
-    python book/kernels.py SOCKET            the process that is forked
+    python book/kernels.py NUMBER            the process that is forked; number of its socket
     python book/kernels.py SOCKET -f FILE    one kernel, with its connection file
 """
 
@@ -22,7 +22,6 @@ import socketserver
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -36,8 +35,10 @@ LOADED = (
 """What a kernel has loaded when it begins; not pyplot, which asks for the kernel it is in."""
 INLINE = "module://matplotlib_inline.backend_inline"
 """Matplotlib's backend in a kernel; it is read when matplotlib is loaded."""
-PATIENCE_S = 60.0
-"""Time for the process to load this on a busy machine."""
+ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
+"""One thread for each kernel: the kernels share the cores. Read when a library is loaded."""
+WAITING = 128
+"""Kernels that may wait for the process while it loads."""
 
 
 @contextlib.contextmanager
@@ -53,18 +54,29 @@ def forked_kernels(folder: Path) -> Iterator[tuple[list[str], dict[str, str]]]:
     if sys.platform != "linux":
         yield [], {}
         return
-    this = [sys.executable, os.path.abspath(__file__), str(folder / "socket")]
+    this = [sys.executable, os.path.abspath(__file__)]
+    address = str(folder / "socket")
     spec = folder / "kernels" / NAME / "kernel.json"
     spec.parent.mkdir(parents=True)
     kernel = {
-        "argv": [*this, "-f", "{connection_file}"],
+        "argv": [*this, address, "-f", "{connection_file}"],
         "display_name": NAME,
         "language": "python",
     }
     spec.write_text(json.dumps(kernel))
-    with subprocess.Popen(this) as process:
+    # Listening before the process is there: who asks waits while it loads. The process alone then
+    # holds the socket: when it has ended, who asks is refused at once.
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listening:
+        listening.bind(address)
+        listening.listen(WAITING)
+        number = listening.fileno()
+        environment = ONE_THREAD | os.environ
+        process = subprocess.Popen([*this, str(number)], pass_fds=[number], env=environment)
+    with process:
         try:
-            yield [f"--nbmake-kernel={NAME}"], {"JUPYTER_PATH": str(folder)}
+            paths = [str(folder), os.environ.get("JUPYTER_PATH", "")]
+            variables = {"JUPYTER_PATH": os.pathsep.join(filter(None, paths))}
+            yield [f"--nbmake-kernel={NAME}"], variables
         finally:
             process.terminate()
 
@@ -101,34 +113,40 @@ class Kernels(socketserver.ForkingMixIn, socketserver.UnixStreamServer):
             sys.exit()
 
 
-def serve(address: str) -> None:
-    """Load, then fork at each request."""
+def serve(number: int) -> None:
+    """Load, then fork at each request that comes to the socket of this number."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # who started this ends it
     os.environ["MPLBACKEND"] = INLINE
     for name in LOADED:
         importlib.import_module(name)
     gc.freeze()  # forks share these pages
-    with Kernels(address, Kernel) as server:
+    with Kernels("", Kernel, bind_and_activate=False) as server:
+        server.socket.close()
+        server.socket = socket.socket(fileno=number)
         server.serve_forever()
 
 
 def ask(address: str, arguments: list[str]) -> None:
     """Ask for a kernel, and wait for its end."""
-    deadline = time.monotonic() + PATIENCE_S
+    wanted = {
+        "arguments": arguments,
+        "variables": dict(os.environ),
+        "folder": os.getcwd(),
+    }
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as kernel:
-        while kernel.connect_ex(address) and time.monotonic() < deadline:
-            time.sleep(0.05)
-        wanted = {
-            "arguments": arguments,
-            "variables": dict(os.environ),
-            "folder": os.getcwd(),
-        }
-        kernel.sendall(json.dumps(wanted).encode() + b"\n")
-        kernel.recv(1)
+        try:
+            kernel.connect(address)
+            kernel.sendall(json.dumps(wanted).encode() + b"\n")
+            kernel.recv(1)
+        except OSError as error:
+            sys.exit(
+                f"{NAME} kernel: no kernel came from the process that is forked ({error.strerror});"
+                " it has ended, and its messages say why. Run the notebooks again."
+            )
 
 
 if __name__ == "__main__":
     if sys.argv[2:]:
         ask(sys.argv[1], sys.argv[2:])
     else:
-        serve(sys.argv[1])
+        serve(int(sys.argv[1]))
