@@ -157,11 +157,11 @@ def slipped(recording, sensor, axis, angle_deg, at_s):
     ("sensor", "axis", "angle_deg", "at_s"),
     [
         ("body", "y", 40, 10.2),
-        ("body", "y", 40, 5.0),
+        slow("body", "y", 40, 5.0),
         ("lever", "x", 15, 10.2),
         ("lever", "y", 40, 10.2),
-        ("lever", "y", 15, 10.2),
-        ("body", "x", 15, 10.2),
+        slow("lever", "y", 15, 10.2),
+        slow("body", "x", 15, 10.2),
         ("body", "y", 15, 10.2),
     ],
 )

@@ -688,8 +688,15 @@ def state_between(first, second):
     return NavigationState(*np.split(middle, [4, 7, 10, 13]))
 
 
-@pytest.mark.parametrize("strides", [(1, 1), (8, 4)])
-@pytest.mark.parametrize("zero_rate", [True, False])
+@pytest.mark.parametrize(
+    ("zero_rate", "strides"),
+    [
+        (True, (1, 1)),
+        (False, (8, 4)),
+        pytest.param(False, (1, 1), marks=pytest.mark.slow),
+        pytest.param(True, (8, 4), marks=pytest.mark.slow),
+    ],
+)
 def test_filter_is_consistent_at_stated_noise(zero_rate, strides):
     """Innovations and errors are as large as the filter says: inside 95 % chi-square bounds.
 
