@@ -6,6 +6,9 @@ JB     := build . --path-output ../.. --all --config book/_config.yml --toc book
           -W -n --keep-going
 BOOKS  := $(shell find notebooks -name '*.ipynb' -not -path '*/.ipynb_checkpoints/*')
 
+# Kept bytecode, whatever the shell says: without it each process compiles every import anew.
+export PYTHONDONTWRITEBYTECODE :=
+
 .PHONY: book page look test lint check lab bench record lock clean help
 help:                     ## list the commands
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 10

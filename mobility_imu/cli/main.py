@@ -10,9 +10,10 @@ import traceback
 import warnings
 from collections.abc import Iterable
 from contextlib import suppress
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -95,7 +96,7 @@ def _run() -> tuple[int, str]:
     if not _options_with_values().issuperset(empty):
         return AT_FAULT, "an argument is empty; the current folder is '.'"
     try:
-        code = app(standalone_mode=False)
+        code = _command()(standalone_mode=False)
         if sys.stdout is not None:
             sys.stdout.flush()
     except MobilityImuError as error:
@@ -124,10 +125,16 @@ def _run() -> tuple[int, str]:
     return (code if isinstance(code, int) else DONE), ""
 
 
+@cache
+def _command() -> Any:
+    """All commands; building them takes longer than running a short one."""
+    return typer.main.get_command(app)
+
+
 def _options_with_values() -> set[str]:
     """Names of the options, of all commands, behind which a value stands."""
     names: set[str] = set()
-    commands = [typer.main.get_command(app)]
+    commands = [_command()]
     while commands:
         command = commands.pop()
         commands += getattr(command, "commands", {}).values()

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rides import FUSION, mount, ride
+from rides import FUSION, mount, ride, unspoilt
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
@@ -47,7 +47,7 @@ def test_a_sensor_that_is_not_on_yet_is_named(sensor):
 
 def test_a_noise_far_below_that_of_the_recording_is_told_and_not_used():
     """A data sheet's noise, on a scooter that shakes: the stated sd would be too small."""
-    plain = estimate_ride(ride(), SUZUKI_ET4D, mount(), FUSION)
+    plain = unspoilt(FUSION)
     quiet = replace(FUSION, acc_noise_mps2=0.002)
     found = estimate_ride(ride(), SUZUKI_ET4D, mount(), quiet)
     (told,) = [text for text in found.warnings if "noise" in text]

@@ -58,8 +58,8 @@ def test_perfect_recordings_give_the_mount_back(pose, method):
     )
 
 
-# Of 40 draws a root mean square is known to a tenth, of 100 to 7 %.
-draws = pytest.mark.parametrize("seeds", [8, pytest.param(20, marks=pytest.mark.slow)])
+# Of 25 draws a root mean square is known to 14 %, of 100 to 7 %.
+draws = pytest.mark.parametrize("seeds", [5, pytest.param(20, marks=pytest.mark.slow)])
 
 
 def monte_carlo(seeds, sensor, methods):

@@ -3,6 +3,7 @@
 from functools import cache
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.reproduction.wheelchair.fault_kinds import clean_drive
@@ -13,6 +14,11 @@ from mobility_imu.wheelchair.faults import results
 
 SEED = 41
 SENSORS = ("frame", "left_wheel", "right_wheel")
+
+
+def slow(*values):
+    """Further values of what the suite tries on some."""
+    return pytest.param(*values, marks=pytest.mark.slow)
 
 
 @cache

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from faulty import SENSORS, calibration, drive, look, of_code
+from faulty import SENSORS, calibration, drive, look, of_code, slow
 
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.wheelchair.fault_kinds import clean_drive
@@ -84,7 +84,7 @@ def test_a_fault_of_the_whole_drive_is_no_fault_of_a_part():
         assert not of_code(look(faulty), "at odds")
 
 
-@pytest.mark.parametrize("seed", range(1, 13))
+@pytest.mark.parametrize("seed", [1, 2, 3, 4, *map(slow, range(5, 13))])
 def test_no_part_of_a_sound_drive_is_at_odds(seed):
     one = clean_drive(seed)
     cal = one.calibration()

@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from faulty import SENSORS, calibration, drive, look, of_code
+from faulty import SENSORS, calibration, drive, look, of_code, slow
 
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation import faults as inject
@@ -32,7 +32,7 @@ def stepped(sensor, size_degps, part):
 
 @pytest.mark.parametrize("sensor", SENSORS)
 @pytest.mark.parametrize("size", [3.0, 10.0])
-@pytest.mark.parametrize("part", [0.3, 0.6])
+@pytest.mark.parametrize("part", [0.3, slow(0.6)])
 def test_a_step_of_an_offset_is_told_with_its_time(sensor, size, part):
     faulty, sample = stepped(sensor, size, part)
     # Between the two times, of the step and of what is told, the sensor may be at odds.
