@@ -84,7 +84,8 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
     path = as_path(path)
     try:
         raw = _read_bytes(path, again)
-        if path.suffix.lower() == ".gz" or raw.startswith(GZIP):
+        # Under the name of a packed file, a browser may have saved what it unpacked.
+        if raw.startswith(GZIP) or (path.suffix.lower() == ".gz" and not _is_plain(raw)):
             raw = gzip.decompress(raw)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
@@ -131,6 +132,11 @@ def decoded(raw: bytes, source: str) -> str:
     if not text.strip():
         raise EmptyFile(f"{source}: the file is empty")
     return text if "\n" in text else text.replace("\r", "\n")
+
+
+def _is_plain(raw: bytes) -> bool:
+    """Whether bytes can be a text with some content in an 8-bit encoding."""
+    return raw.strip() != b"" and _CONTROL.search(raw) is None
 
 
 def _as_text(raw: bytes) -> str:
