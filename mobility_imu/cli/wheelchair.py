@@ -43,6 +43,8 @@ Trial = Annotated[
 ]
 Static = Annotated[Path, typer.Option(help="Trial with the chair standing still.")]
 Straight = Annotated[Path, typer.Option(help="Trial with the chair pushed straight forward.")]
+Window = Annotated[int, typer.Option(help="Samples in the filter's window, odd.")]
+Order = Annotated[int, typer.Option(help="Order of the Savitzky-Golay filter.")]
 Geometry = Annotated[Path, typer.Option(help="TOML with a section [wheelchair].")]
 
 app = sub_app("Manual wheelchair: velocities and tasks.")
@@ -68,12 +70,8 @@ def velocity(
     smoothing: Annotated[
         Smoothing, typer.Option("--filter", help="Smooth every sensor of all three recordings.")
     ] = "none",
-    filter_window: Annotated[
-        int, typer.Option(help="Samples in the filter's window, odd.")
-    ] = FILTER_WINDOW,
-    filter_order: Annotated[
-        int, typer.Option(help="Order of the Savitzky-Golay filter.")
-    ] = FILTER_ORDER,
+    filter_window: Window = FILTER_WINDOW,
+    filter_order: Order = FILTER_ORDER,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
