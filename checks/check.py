@@ -64,8 +64,10 @@ class Step:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
+            encoding="utf-8",
+            errors="replace",
         )
-        with self.log.open("a") as log:
+        with self.log.open("a", encoding="utf-8") as log:
             log.write(f"$ {line}\n{done.stdout}[{done.returncode}]\n")
         if done.returncode not in codes:
             last = (done.stdout.strip().splitlines() or ["no output"])[-1]
@@ -173,6 +175,8 @@ def wheel(step: Step) -> str:
         room = step.folder / Path(page).stem
         room.mkdir()
         commands = examples((sources / page).read_text(encoding="utf-8"))
+        if not commands:
+            raise Failed(f"{page}: no example was found")
         for command in commands:
             step.run(*plainly, "sh", "-c", command, cwd=room, environment=bare)
         counts.append(f"{len(commands)} of {page}")
@@ -278,7 +282,7 @@ def main() -> int:
             folder = Path(made)
             try:
                 outcome = f"ok, {STEPS[name](Step(name, folder))}"
-            except Failed as error:
+            except (Failed, OSError) as error:  # such as a program that is not there
                 outcome, failed = f"FAILED, {error}; see {LOGS / name}.log", True
             finally:
                 subprocess.run(["chmod", "-R", "u+w", made], check=False)
