@@ -272,3 +272,21 @@ def test_blank_lines_among_the_comments_of_an_export(tmp_path, blank):
     text = path.read_text()
     path.write_text(blank + text.replace("\n", "\n" + blank, 1), newline="")
     assert_same(quietly(name, expected=("frame",)), made(), tolerance=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("column", "says"),
+    [(-1, "'{}' is no date"), (0, "{}' is not a finite number")],
+)
+def test_lines_of_androsensor_are_counted_as_an_editor_does(tmp_path, column, says):
+    path = dialects.androsensor(made(), tmp_path)
+    lines = path.read_text().splitlines()
+    for cell in ("x", ""):
+        cells = lines[100].split(",")
+        cells[column] = cell
+        changed = [*lines[:50], "", "", *lines[50:100], ",".join(cells), *lines[101:]]
+        path.write_text("\n".join(changed))
+        with pytest.raises(InputError) as error:
+            understand(path)
+        assert "line 103" in str(error.value)
+        assert says.format(cell) in str(error.value)
