@@ -165,6 +165,9 @@ def main() -> int:
         print(f"{options.folder}: no built book; run make book first", file=sys.stderr)
         return 2
     measured, at_fault = look(options.folder.resolve(), options.pages)
+    if not measured:
+        print(f"{options.folder}: no page with such a name", file=sys.stderr)
+        return 2
     kept = ROOT / "_build/look.json"
     kept.parent.mkdir(exist_ok=True)
     kept.write_text(json.dumps(measured, indent=1) + "\n")

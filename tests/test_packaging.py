@@ -156,6 +156,12 @@ def test_an_install_finds_its_tables_inside_the_package(monkeypatch, tmp_path):
 # Pages
 
 
+def test_the_public_checks_run_every_step(check):
+    workflow = (ROOT / ".github" / "workflows" / "check.yml").read_text(encoding="utf-8")
+    (steps,) = re.findall(r"step: \[(.*)\]", workflow)
+    assert steps.split(", ") == list(check.STEPS)
+
+
 def test_commands_are_found_on_a_page(check):
     inline, indented = "text `mobility-imu x`\n\n", "    mobility-imu a \\\n        b   # why\n\n"
     page = inline + indented + "```text\nmobility-imu c\n```\n"

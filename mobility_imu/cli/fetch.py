@@ -56,8 +56,9 @@ def _list() -> None:
     from mobility_imu.datasets import list_datasets
     from mobility_imu.datasets.folders import find_folder
 
-    for dataset in list_datasets():
-        folder = find_folder(dataset.name)
+    # First all, then print: looking for a folder may fail.
+    folders = {dataset: find_folder(dataset.name) for dataset in list_datasets()}
+    for dataset, folder in folders.items():
         typer.echo(dataset.name)
         for line in (*described(dataset), f"here: {folder}" if folder else "not here"):
             typer.echo(INDENT + line)

@@ -8,7 +8,8 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from itertools import pairwise
@@ -19,7 +20,7 @@ import typer
 
 from mobility_imu import __version__
 from mobility_imu.cli.fetch import fetch
-from mobility_imu.cli.messages import say
+from mobility_imu.cli.messages import say, warn
 from mobility_imu.cli.read import read
 from mobility_imu.cli.reproduce import reproduce
 from mobility_imu.cli.scooter import app as scooter_app
@@ -93,8 +94,14 @@ def _run() -> tuple[int, str]:
     """Run the application; returns the exit code and, unless that is 0, the message."""
     # As a path it would be the current folder; an option's value is checked by the option.
     empty = [before for before, here in pairwise(sys.argv) if not here]
-    if not _options_with_values().issuperset(empty):
+    valued = _options_with_values()
+    if not valued.keys() >= set(empty):
         return AT_FAULT, "an argument is empty; the current folder is '.'"
+    warn(
+        f"{name} is given {times} times; the last one counts"
+        for name, times in Counter(_given(sys.argv[1:], valued)).items()
+        if times > 1
+    )
     try:
         code = _command()(standalone_mode=False)
         if sys.stdout is not None:
@@ -131,17 +138,35 @@ def _command() -> Any:
     return typer.main.get_command(app)
 
 
-def _options_with_values() -> set[str]:
-    """Names of the options, of all commands, behind which a value stands."""
-    names: set[str] = set()
+def _options_with_values() -> dict[str, str]:
+    """Names of the options, of all commands, behind which a value stands, with the longest name."""
+    names: dict[str, str] = {}
     commands = [_command()]
     while commands:
         command = commands.pop()
         commands += getattr(command, "commands", {}).values()
         # An argument has no such flag.
         valued = [option for option in command.params if not getattr(option, "is_flag", True)]
-        names.update(name for option in valued for name in option.opts)
+        names.update((name, max(option.opts, key=len)) for option in valued for name in option.opts)
     return names
+
+
+def _given(arguments: Sequence[str], valued: Mapping[str, str]) -> Iterator[str]:
+    """Options with values that stand in a command line, each as often as it does."""
+    waiting = iter(arguments)
+    for argument in waiting:
+        if argument == "--":  # what follows are arguments
+            return
+        name = argument.partition("=")[0] if argument.startswith("--") else ""
+        apart = name == argument
+        if argument.startswith("-") and not argument.startswith("--"):
+            # Letters of flags may stand before that of the option, and its value behind.
+            k = next((k for k in range(1, len(argument)) if f"-{argument[k]}" in valued), 0)
+            name, apart = f"-{argument[k]}", k == len(argument) - 1
+        if name in valued:
+            yield valued[name]
+            if apart:
+                next(waiting, None)
 
 
 def _of_arguments(error: Exception) -> str | None:
@@ -150,7 +175,8 @@ def _of_arguments(error: Exception) -> str | None:
         return None
     if type(error).__name__ == "NoArgsIsHelpError":  # its message is the whole help
         return "give a command; --help lists them"
-    message = str(error.format_message())
+    # What checks the values begins some messages with words of its own.
+    message = str(error.format_message()).replace(": Value error, ", ": ")
     command = getattr(getattr(error, "ctx", None), "command", None)
     # What looks at sensors reads a recording, which may be in several files.
     of_recordings = any(option.name == "strict" for option in getattr(command, "params", ()))

@@ -58,6 +58,8 @@ def calibrate(
     from mobility_imu.walker.faults import not_told
 
     outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
+    if form != "corrected" and method == "all-samples":
+        warn([f"--form has no effect with --method {method}"])
     frame = WalkerGeometry.from_toml(geometry)
     recording = read_input(tilts, "walker", sampling_rate_hz, fill_gaps_s)
     options: dict[str, Any] = {

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 Camber = Literal["sign-safe", "printed"]
 Smoothing = Literal["none", "moving-average", "savitzky-golay"]
 Edge = Literal["covering", "tool"]
+FILTER_WINDOW, FILTER_ORDER = 7, 2
 PICTURES = (".png", ".svg", ".pdf")
 
 Trial = Annotated[
@@ -42,6 +43,8 @@ Trial = Annotated[
 ]
 Static = Annotated[Path, typer.Option(help="Trial with the chair standing still.")]
 Straight = Annotated[Path, typer.Option(help="Trial with the chair pushed straight forward.")]
+Window = Annotated[int, typer.Option(help="Samples in the filter's window, odd.")]
+Order = Annotated[int, typer.Option(help="Order of the Savitzky-Golay filter.")]
 Geometry = Annotated[Path, typer.Option(help="TOML with a section [wheelchair].")]
 
 app = sub_app("Manual wheelchair: velocities and tasks.")
@@ -67,8 +70,8 @@ def velocity(
     smoothing: Annotated[
         Smoothing, typer.Option("--filter", help="Smooth every sensor of all three recordings.")
     ] = "none",
-    filter_window: Annotated[int, typer.Option(help="Samples in the filter's window, odd.")] = 7,
-    filter_order: Annotated[int, typer.Option(help="Order of the Savitzky-Golay filter.")] = 2,
+    filter_window: Window = FILTER_WINDOW,
+    filter_order: Order = FILTER_ORDER,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
@@ -86,6 +89,7 @@ def velocity(
 
     trials = (trial, static, straight)
     outputs = Outputs({"--output": output}, (*_files(trials), geometry))
+    _tell_unused(smoothing, filter_window, filter_order)
     chair = WheelchairGeometry.from_toml(geometry)
     read = _read(trials, sampling_rate_hz, fill_gaps_s)
     of_filter = {"window": filter_window, "order": filter_order}
@@ -107,6 +111,13 @@ def velocity(
     warn(not_told(found, drive, chair, calibration.mount, faults))
     outputs.write({output: csv_bytes(found.to_frame(), output)})
     summarize([read_line(drive), *velocity_lines(found), written_line([output])], quiet)
+
+
+def _tell_unused(smoothing: Smoothing, window: int, order: int) -> None:
+    """Warn of options that are given and that the filter does not use."""
+    unused = ["--filter-window"] if smoothing == "none" and window != FILTER_WINDOW else []
+    unused += ["--filter-order"] if smoothing != "savitzky-golay" and order != FILTER_ORDER else []
+    warn(f"{name} has no effect with --filter {smoothing}" for name in unused)
 
 
 def _settings(camber: Camber, slip_correction: bool) -> VelocitySettings:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import re
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.layout import comma_separated
 from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
+from mobility_imu.readers.table import line_of
 from mobility_imu.readers.wording import listed, quoted
 
 ELAPSED = "Time since start in ms"
@@ -66,14 +69,15 @@ def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]
     if not len(table):
         raise InputError(f"{source}: a header, but no rows of data")
     table.columns = [str(name).strip() for name in table.columns]
-    wall = _seconds_of_day(_column(table, WALL, source).astype(str), source)
-    elapsed = _numbers(_column(table, ELAPSED, source), ELAPSED, source)
+    line = partial(line_of, text)
+    wall = _seconds_of_day(_column(table, WALL, source), source, line)
+    elapsed = _numbers(_column(table, ELAPSED, source), ELAPSED, source, line)
     elapsed *= _unit_of_elapsed(elapsed, wall, source)
     vectors = []
     for quantity, unit in (("ACCELEROMETER", "m/s²"), ("GYROSCOPE", "rad/s")):
         names = [f"{quantity} {axis} ({unit})" for axis in "XYZ"]
         vectors.append(
-            np.column_stack([_numbers(_column(table, n, source), n, source) for n in names])
+            np.column_stack([_numbers(_column(table, n, source), n, source, line) for n in names])
         )
     time_s = elapsed + np.median(wall - elapsed)
     return (Stream(time_s, *vectors, source=source),)
@@ -85,29 +89,35 @@ def _column(table: Any, name: str, source: str) -> Any:
     return table[name]
 
 
-def _numbers(column: Any, name: str, source: str) -> FloatArray:
+def _numbers(column: Any, name: str, source: str, line: Callable[[int], int]) -> FloatArray:
     import pandas as pd
 
     values = np.array(pd.to_numeric(column, errors="coerce"), float)
     if not np.isfinite(values).all():
         k = int(np.argmin(np.isfinite(values)))
         raise InputError(
-            f"{source}: line {k + 2}, column {name}: "
-            f"'{quoted(str(column.iloc[k]))}' is not a finite number"
+            f"{source}: line {line(k)}, column {name}: "
+            f"'{quoted(_cell(column, k))}' is not a finite number"
         )
     return values
 
 
-def _seconds_of_day(column: Any, source: str) -> FloatArray:
+def _cell(column: Any, row: int) -> str:
+    """A cell as the file has it; an empty one is NaN to pandas."""
+    cell = column.iloc[row]
+    return "" if cell != cell else str(cell)
+
+
+def _seconds_of_day(column: Any, source: str, line: Callable[[int], int]) -> FloatArray:
     """Wall clock in s since the first row's midnight; the last separator may be a colon."""
     import pandas as pd
 
-    dates = column.str.replace(r"[:_.](\d{3})$", r".\1", regex=True)
+    dates = column.astype(str).str.replace(r"[:_.](\d{3})$", r".\1", regex=True)
     parsed = pd.to_datetime(dates, errors="coerce")
     if parsed.isna().any():
         k = int(np.argmax(parsed.isna()))
         raise InputError(
-            f"{source}: line {k + 2}: '{quoted(str(column.iloc[k]))}' is no date and time"
+            f"{source}: line {line(k)}: '{quoted(_cell(column, k))}' is no date and time"
         )
     return np.array((parsed - parsed.iloc[0].normalize()).dt.total_seconds(), float)
 

@@ -27,6 +27,8 @@ from mobility_imu.readers.xsens_mt import is_xsens_mt, read_xsens_mt
 
 BEGINNING = 4000
 """Characters that are looked at to know a format. Set by hand."""
+_JSON = re.compile(r'\s*(?:\[\s*\{|\{)\s*"')
+"""How JSON begins that may hold a recording: an object with a name, or an array of such."""
 
 
 class Format(NamedTuple):
@@ -86,8 +88,8 @@ def find_format(text: str, source: str) -> Format:
     if lines and lines[0].strip().strip('"').lower().startswith("sep=") and len(lines) > 1:
         lines = lines[1:]
     first = lines[0] if lines else ""
-    if first.strip() in ("[", "{"):
-        first = "".join(line.strip() for line in lines)  # JSON on many lines
+    if _JSON.match(text):  # on one line or many, with blanks or without
+        first = re.sub(r"\s+", "", text[:BEGINNING])
     found = [form for form in FORMATS if form.begins(first)]
     if len(found) > 1:
         raise InputError(

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
@@ -99,37 +100,56 @@ def join_halves(
         name: np.array([times.min(), times.max()])
         for name, times in (("accelerations", acc.time_s), ("rates", stamps))
     }
-    said = [f"{source}: rates interpolated to the accelerations' stamps"]
-    said += ends_left_out(ends, source)
-    step = np.diff(stamps)
-    longest = longest_silent_gap(float(np.median(step)))
-    own = step - _paused(stamps, pauses)
-    lost = losses(np.cumsum(np.r_[0.0, own])) | (own > longest)
-    if lost.any():
-        k = int(np.argmax(np.where(lost, own, 0.0)))
-        said.append(
-            f"{gyr.source}: {int(lost.sum())} gap(s) in the rates, the longest of {own[k]:.3g} s "
-            f"after {stamps[k] - stamps[0]:.2f} s"
-        )
-    # Accelerations in a long gap make way, so that both have it.
-    after = np.clip(np.searchsorted(stamps, acc.time_s, side="right") - 1, 0, len(step) - 1)
-    makes_way = inside & (step[after] > longest) & (acc.time_s > stamps[after])
-    inside &= ~makes_way
-    gaps = [
-        Pause(
-            np.nextafter(stamps[k], np.inf),
-            own[k],
-            f"gap of {own[k]:.3g} s in the rates ({gyr.source})",
-        )
-        for k in np.unique(after[makes_way])
-        if own[k] > longest
+    makes_way, gaps, told = _gaps(acc.time_s, stamps, pauses, gyr.source)
+    said = [
+        f"{source}: rates interpolated to the accelerations' stamps",
+        *ends_left_out(ends, source),
+        *told,
     ]
+    inside &= ~makes_way
     time_s = acc.time_s[inside]
     rates = np.column_stack([np.interp(time_s, stamps, axis) for axis in values.T])
     return Stream(
         time_s, acc.values[inside], rates, source=source, warnings=(*warnings, *said),
         epoch_s=epoch_s, gap_why=_reasons(time_s, [*pauses, *gaps]),
     )  # fmt: skip
+
+
+def _gaps(
+    acc_time_s: FloatArray, stamps: FloatArray, pauses: Sequence[Pause], source: str
+) -> tuple[NDArray[np.bool_], list[Pause], list[str]]:
+    """Gaps of the rates.
+
+    Returns
+    -------
+    (n,) bool array : accelerations within a long gap, which make way, so that both have it
+    list of Pause : the gaps that made some make way, as reasons
+    list of str : a warning, or none
+    """
+    step = np.diff(stamps)
+    longest = longest_silent_gap(float(np.median(step)))
+    own = step - _paused(stamps, pauses)
+    lost = losses(np.cumsum(np.r_[0.0, own])) | (own > longest)
+    told = []
+    if lost.any():
+        k = int(np.argmax(np.where(lost, own, 0.0)))
+        told.append(
+            f"{source}: {int(lost.sum())} gap(s) in the rates, the longest of {own[k]:.3g} s "
+            f"after {stamps[k] - stamps[0]:.2f} s"
+        )
+    inside = (acc_time_s >= stamps[0]) & (acc_time_s <= stamps[-1])
+    after = np.clip(np.searchsorted(stamps, acc_time_s, side="right") - 1, 0, len(step) - 1)
+    makes_way = inside & (step[after] > longest) & (acc_time_s > stamps[after])
+    gaps = [
+        Pause(
+            np.nextafter(stamps[k], np.inf),
+            own[k],
+            f"gap of {own[k]:.3g} s in the rates ({source})",
+        )
+        for k in np.unique(after[makes_way])
+        if own[k] > longest
+    ]
+    return makes_way, gaps, told
 
 
 def _paused(stamps: FloatArray, pauses: Sequence[Pause]) -> FloatArray:

@@ -18,7 +18,8 @@ SEPARATORS = ("\t", ";", ",")
 ROWS_LOOKED_AT = 20
 """Rows behind the names from which separator and decimal mark are told. Set by hand."""
 _NOTHING = " \t\r\v\f;,"
-_SEP_LINE = re.compile(r'\s*"?sep=(.)"?\s*', re.IGNORECASE)
+_SEP_LINE = re.compile(r'\s*"?sep=(.)"?[\s;,]*', re.IGNORECASE)
+"""Where a spreadsheet filled the rows up, separators stand behind it."""
 
 
 class Layout(NamedTuple):
@@ -94,7 +95,7 @@ def find_layout(
         # R's write.table has no name for its index; a cell too many has no other meaning if it
         # counts the rows.
         indexed = [row[0].strip().strip('"') for row in rows[:2]] == ["1", "2"]
-    return Layout(tuple(names), separator, _decimal(rows, separator), indexed, line, rest)
+    return Layout(tuple(names), separator, _decimal(rows), indexed, line, rest)
 
 
 def split_row(row: str, separator: str) -> list[str]:
@@ -112,6 +113,7 @@ def split_row(row: str, separator: str) -> list[str]:
     row = row.rstrip("\r\n")
     if '"' not in row:
         return row.split(separator)
+    row = row.rstrip(" ")  # a blank behind a quoted cell is part of none
     try:
         return next(
             csv.reader([row], delimiter=separator, skipinitialspace=True, strict=True), [""]
@@ -161,16 +163,10 @@ def _first_rows(body: str) -> list[str]:
     return rows[:ROWS_LOOKED_AT]
 
 
-def _decimal(rows: Sequence[Sequence[str]], separator: str) -> str:
-    """Decimal mark: a comma if some number has one and none has a point."""
-    if separator == ",":
-        # A comma can then stand in quotation marks only.
-        cells = [cell for row in rows for cell in row if "," in cell]
-    else:
-        cells = [
-            cell for row in rows for cell in row if re.fullmatch(r"\s*[-+]?\d*,\d+\S*\s*", cell)
-        ]
-    return "," if cells else "."
+def _decimal(rows: Sequence[Sequence[str]]) -> str:
+    """Decimal mark: a comma if some number has one, in quotation marks where commas separate."""
+    number = re.compile(r"\s*[-+]?\d*,\d+\S*\s*")
+    return "," if any(number.fullmatch(cell) for row in rows for cell in row) else "."
 
 
 def check_names(names: Sequence[str], source: str) -> None:

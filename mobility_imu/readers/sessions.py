@@ -16,12 +16,17 @@ from mobility_imu.readers.table import EmptyFile, decoded, read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.readers.xio import is_xio, read_xio
 
+try:
+    from lzma import LZMAError
+except ImportError:  # a Python that was built without it unpacks no such archive
+    LZMAError = zipfile.BadZipFile  # type: ignore[misc, assignment]
+
 LARGEST_MEMBER = 500_000_000
 """Bytes of one file in an archive; more is no recording: 8 hours at 100 Hz with
 rows of 150 characters are 430 million."""
 MOST_FILES = 200
 """Tables in a folder whose beginnings are read; more are a study. Set by hand."""
-DAMAGED = (zipfile.BadZipFile, EOFError, zlib.error)
+DAMAGED = (zipfile.BadZipFile, EOFError, zlib.error, LZMAError)
 """Errors of an archive that is not as it was written; one with a password is a RuntimeError."""
 XIO_FILES = ("sensors.csv", "Inertial.csv")
 PHONES = {

@@ -21,6 +21,7 @@ from mobility_imu.frames import (
 from mobility_imu.readers.table import NumberTable
 from mobility_imu.readers.wording import quoted
 from mobility_imu.results import Result
+from mobility_imu.runs import long_runs
 
 GIVEN = "given"
 """Where the rate of streams comes from whose file states none: from the user."""
@@ -195,6 +196,9 @@ MOSTLY_TOGETHER = 0.5
 """Part of the new samples that are new on all axes, below which the repeats come from coarse steps.
 Three axes of a sensor at rest seldom pass a step at once. Real files have 0.75 or more where
 samples are held, 0.03 or less where a sensor with coarse steps rests."""
+LONGEST_HELD_S = 0.25
+"""s; a sensor that repeats itself for longer is frozen there, as :mod:`mobility_imu.quality` tells,
+and not slower than its rows."""
 LARGEST_RATE_DIFFERENCE = 0.01
 """Part by which a given sampling rate may differ from that of a file's own clock: a rate that is
 rounded to a whole number from 50 Hz on. Crystals differ by a hundredth of it."""
@@ -276,8 +280,8 @@ def factor(quantity: str, unit: str, source: str) -> float:
 def held_warnings(time_s: FloatArray, acc_mps2: FloatArray, source: str) -> tuple[str, ...]:
     """Whether most rows repeat the one before: a logger that writes faster than its sensor reads.
 
-    A sensor that never changes is a fault of its own (:func:`mobility_imu.health.examine`), and one
-    with coarse steps at rest is none: its axes change one by one.
+    A sensor that never changes, or not for a while, is a fault of its own
+    (:func:`mobility_imu.health.examine`); coarse steps at rest are none: axes change one by one.
 
     Parameters
     ----------
@@ -292,6 +296,12 @@ def held_warnings(time_s: FloatArray, acc_mps2: FloatArray, source: str) -> tupl
     changed = np.diff(acc_mps2, axis=0) != 0
     held = ~changed.any(axis=1)
     span = float(np.ptp(time_s))
+    if len(held) < FEWEST_TO_JUDGE or not span > 0:
+        return ()
+    shortest = max(2, round(LONGEST_HELD_S * len(held) / span))
+    frozen = long_runs(held, shortest, grow=False)
+    span -= float(np.diff(time_s)[frozen].sum())
+    changed, held = changed[~frozen], held[~frozen]
     if len(held) < FEWEST_TO_JUDGE or not span > 0 or held.mean() <= MOSTLY_HELD or held.all():
         return ()
     if changed[~held].all(axis=1).mean() < MOSTLY_TOGETHER:

@@ -32,12 +32,23 @@ BINARY = {
     b"MATLAB 7.3": "a MATLAB file",
 }
 """How files begin that hold numbers, but no text."""
+PACKED = {
+    b"\xfd7zXZ\x00": "xz",
+    b"BZh": "bzip2",
+    b"7z\xbc\xaf\x27\x1c": "7-Zip",
+    b"Rar!\x1a\x07": "RAR",
+    b"\x28\xb5\x2f\xfd": "Zstandard",
+}
+"""How packed files begin that are not unpacked here."""
 GZIP = b"\x1f\x8b"
 """How a packed file begins (RFC 1952, section 2.3.1)."""
 MOST_COLUMNS = 20
 """Names of columns that a message lists at most."""
 MEND_ROW = "correct it, or remove the row and give --fill-gaps-s (fill_gaps_s in Python)"
 """What to do with a row of a recording that lacks a number."""
+_BEFORE = re.compile(r"[\s\ufeff]*")
+"""What may stand before a text; a byte order mark stands behind blanks, or twice, where files were
+put together."""
 _BLANKS = " \t\r\v\f"
 """What the parser of numbers passes over; a space that is not to be broken is none of them."""
 _LINE_ENDS = re.compile(r"\r\n|\r|\n")
@@ -73,7 +84,8 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
     path = as_path(path)
     try:
         raw = _read_bytes(path, again)
-        if path.suffix.lower() == ".gz" or raw.startswith(GZIP):
+        # Under the name of a packed file, a browser may have saved what it unpacked.
+        if raw.startswith(GZIP) or (path.suffix.lower() == ".gz" and not _is_plain(raw)):
             raw = gzip.decompress(raw)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
@@ -107,13 +119,24 @@ def decoded(raw: bytes, source: str) -> str:
     kind = next((kind for begin, kind in BINARY.items() if raw.startswith(begin)), None)
     if kind is not None:
         raise InputError(f"{source}: is {kind}; export the recording as CSV and read that")
+    packed = next((program for begin, program in PACKED.items() if raw.startswith(begin)), None)
+    if packed is not None:
+        raise InputError(f"{source}: is packed by {packed}; unpack it and read what is in it")
     try:
         text = _as_text(raw)
     except UnicodeDecodeError as error:
         raise InputError(f"{source}: not a text file (byte {error.start})") from None
+    before = _BEFORE.match(text)
+    if before and "\ufeff" in before[0]:
+        text = before[0].replace("\ufeff", "") + text[before.end() :]
     if not text.strip():
         raise EmptyFile(f"{source}: the file is empty")
     return text if "\n" in text else text.replace("\r", "\n")
+
+
+def _is_plain(raw: bytes) -> bool:
+    """Whether bytes can be a text with some content in an 8-bit encoding."""
+    return raw.strip() != b"" and _CONTROL.search(raw) is None
 
 
 def _as_text(raw: bytes) -> str:

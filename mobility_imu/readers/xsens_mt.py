@@ -138,9 +138,12 @@ def parse_export(text: str, source: str) -> Export:
     """
     comments: list[str] = []
     rest = text
-    while rest.startswith("//") and len(comments) < MOST_COMMENTS:
-        line, _, rest = rest.partition("\n")
+    while rest and len(comments) < MOST_COMMENTS:
+        line, _, behind = rest.partition("\n")
+        if line.strip() and not line.startswith("//"):
+            break
         comments.append(line)
+        rest = behind
     head = rest.partition("\n")[0]
     separator = " " if not re.search(r"[\t,;]", head) else None
     names = find_layout(rest, source, separator=separator, first_line=len(comments) + 1).names

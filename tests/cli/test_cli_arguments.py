@@ -89,3 +89,58 @@ def test_odd_values_end_in_an_answer_or_one_line(seed, room, run):
         assert result.returncode == 2, result
         assert after == before
         assert len(result.stderr.splitlines()) == 1 and result.stdout == "", result
+
+
+@pytest.mark.parametrize(
+    ("line", "names"),
+    [
+        (["walker", "calibrate", "--form", "printed"], ["--form has no effect with --method all-"]),
+        (
+            ["wheelchair", "velocity", "--filter-window", "9", "--filter-order", "3"],
+            [
+                "--filter-window has no effect with --filter none",
+                "--filter-order has no effect with --filter none",
+            ],
+        ),
+        (
+            [*"wheelchair velocity --filter moving-average --filter-order 3".split()],
+            ["--filter-order has no effect with --filter moving-average"],
+        ),
+        (["walker", "calibrate", *"--form printed --method two-tilts".split()], []),
+        (["wheelchair", "velocity", *"--filter savitzky-golay --filter-order 3".split()], []),
+    ],
+)
+def test_options_without_effect_are_told(line, names, room, works):
+    command = " ".join(line[:2])
+    error = works(*line[:2], *LINES[command], *line[2:], "-o", "out.csv").stderr
+    assert error.count("has no effect") == len(names)
+    for name in names:
+        assert f"warning: {name}" in error
+
+
+@pytest.mark.parametrize(
+    "twice",
+    [
+        ["-o", "a.csv", "-o", "b.csv"],
+        ["--output", "a.csv", "-o", "b.csv"],
+        ["--output=a.csv", "--output=b.csv"],
+        ["-oa.csv", "-qo", "b.csv"],
+    ],
+    ids=lambda twice: " ".join(twice),
+)
+def test_an_option_that_is_given_twice_is_told(twice, room, works):
+    """The last one counts, as in other programs; what the first one named is not written."""
+    result = works("scooter", "angles", *LINES["scooter angles"], *twice)
+    assert "warning: --output is given 2 times; the last one counts" in result.stderr
+    assert (room / "b.csv").exists() and not (room / "a.csv").exists()
+
+
+def test_a_value_that_looks_like_an_option_is_not_counted(room, works):
+    result = works("scooter", "angles", *LINES["scooter angles"], "-o", "-o", "-q")
+    assert result.stderr == ""
+    assert (room / "-o").exists()
+
+
+def test_messages_name_no_part_of_the_program(fails):
+    """What checks the arguments puts its own words before some messages."""
+    assert fails("fetch", "nothing", says=["'nothing' is not one of"]).count("error") == 0

@@ -115,3 +115,9 @@ def test_a_folder_of_somebody_else(fails, tmp_path):
 def test_a_variable_that_names_no_folder(fails, monkeypatch, tmp_path):
     monkeypatch.setenv("MOBILITY_IMU_RECORDINGS", str(tmp_path / "gone"))
     fails("fetch", "--list", says=["MOBILITY_IMU_RECORDINGS", "no such folder"])
+
+
+def test_a_list_that_cannot_be_made_whole_prints_nothing(monkeypatch, tmp_path, fails):
+    monkeypatch.setenv("MOBILITY_IMU_DATA", str(tmp_path))  # the first set is there
+    monkeypatch.setenv("MOBILITY_IMU_RECORDINGS", str(tmp_path / "none"))
+    fails("fetch", "--list", says=["MOBILITY_IMU_RECORDINGS", "no such folder"])

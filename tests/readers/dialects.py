@@ -176,6 +176,15 @@ def actigraph(recording, folder):
     return folder / "actigraph.csv"
 
 
+def json_samples(recording, folder):
+    imu = single(recording)
+    cells = {f"acc_{axis}": imu.acc_mps2[:, k] / G for k, axis in enumerate("xyz")}
+    cells |= {f"gy_{axis}": np.rad2deg(imu.gyr_radps[:, k]) for k, axis in enumerate("xyz")}
+    table = pd.DataFrame({"timestamp": recording.time_s} | cells)
+    (folder / "samples.json").write_text(json.dumps(table.to_dict("records")))
+    return folder / "samples.json"
+
+
 def sensor_logger(recording, folder, platform="android"):
     imu, base = single(recording), 1_713_800_421_000_000_000
     stamps = {

@@ -78,6 +78,17 @@ class TestHeldSamples:
         assert [w for w in found.warnings if "repeat the one before" in w and "left_wheel" in w]
         assert not [w for w in found.warnings if "repeat the one before" in w and ", frame" in w]
 
+    def test_a_sensor_that_freezes_is_no_slow_one(self, tmp_path):
+        """Two thirds of the samples repeat the one before, but the others all are new."""
+        time_s, acc, gyr = sensor()
+        acc[COUNT // 3 :] = acc[COUNT // 3]
+        assert understand(canonical(tmp_path / "a.csv", time_s, acc, gyr)).warnings == ()
+        # One that is slow and freezes is told as slow, with the rate that it had before.
+        spread, acc, gyr = self.held(5)
+        acc[len(acc) // 2 :] = acc[len(acc) // 2]
+        (said,) = understand(canonical(tmp_path / "a.csv", spread, acc, gyr)).warnings
+        assert "80 % of the samples repeat the one before" in said and "about 100 new" in said
+
     def test_coarse_steps_at_rest_are_no_held_samples(self, tmp_path):
         time_s, acc, gyr = sensor()
         step = 0.04  # m/s², as of a sensor with 12 bits over 8 g; less noise than a quarter of it

@@ -236,3 +236,57 @@ def test_a_row_without_the_number_of_its_sensor_is_named(tmp_path, cell):
     path.write_text("\n".join(lines))
     with pytest.raises(InputError, match=r"line 101, column SensorId: .*\(1 such row"):
         quietly(path)
+
+
+@pytest.mark.parametrize("note", ["a; b, c", "slowly, then fast", "1, 2 and 3"])
+def test_a_comma_in_a_note_is_no_decimal_comma(tmp_path, note):
+    """What is wrong is named where it is, not the first number with a point."""
+    table = made().to_frame().assign(note=note)
+    table.to_csv(tmp_path / "a.csv", index=False, quoting=2)
+    lines = (tmp_path / "a.csv").read_text().splitlines()
+    lines[100] = lines[100].replace(",", ",x", 1)
+    (tmp_path / "a.csv").write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r"line 101, column frame_acc_x_mps2: 'x[-0-9.]*' is not"):
+        understand(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize("end", [";", ";;;;;;", " ", "; ; ;"])
+@pytest.mark.parametrize("write", [dialects.excel_sep_line, dialects.shimmer])
+def test_a_line_that_names_the_separator_may_be_filled_up(tmp_path, write, end):
+    path = write(made(), tmp_path)
+    head, rest = path.read_text().split("\n", 1)
+    path.write_text(head + end + "\n" + rest)
+    assert_same(quietly(path, expected=("frame",)), made(), tolerance=1e-4)
+
+
+def test_blanks_behind_quoted_cells_belong_to_no_cell(tmp_path):
+    path = dialects.quoted_with_extras(made(), tmp_path)
+    path.write_text("".join(f"{line}  \n" for line in path.read_text().splitlines()))
+    assert_same(quietly(path), made())
+
+
+@pytest.mark.parametrize("blank", ["\n", "\r\n \r\n"])
+def test_blank_lines_among_the_comments_of_an_export(tmp_path, blank):
+    name = dialects.xsens_mt(made(), tmp_path)
+    (path,) = tmp_path.glob("*.txt")
+    text = path.read_text()
+    path.write_text(blank + text.replace("\n", "\n" + blank, 1), newline="")
+    assert_same(quietly(name, expected=("frame",)), made(), tolerance=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("column", "says"),
+    [(-1, "'{}' is no date"), (0, "{}' is not a finite number")],
+)
+def test_lines_of_androsensor_are_counted_as_an_editor_does(tmp_path, column, says):
+    path = dialects.androsensor(made(), tmp_path)
+    lines = path.read_text().splitlines()
+    for cell in ("x", ""):
+        cells = lines[100].split(",")
+        cells[column] = cell
+        changed = [*lines[:50], "", "", *lines[50:100], ",".join(cells), *lines[101:]]
+        path.write_text("\n".join(changed))
+        with pytest.raises(InputError) as error:
+            understand(path)
+        assert "line 103" in str(error.value)
+        assert says.format(cell) in str(error.value)
