@@ -78,6 +78,11 @@ def test_how_many_are_told_and_how_well_they_are_priced(table):
     assert near["turned since the calibration"] >= 0.6
 
 
+def test_an_axis_that_hardly_turns_is_not_called_reversed():
+    """Real sensors in many curves: the body's rate about x is mostly noise, and moves no angle."""
+    assert study.clean_row(212)["told"] == []
+
+
 LARGEST_ACCUSED, AIM = 0.03, 0.01
 """Part of sound rides of which something may be told, and that which is wanted."""
 
