@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -15,6 +16,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
+    from mobility_imu.faults import Fault
     from mobility_imu.recording import Recording
     from mobility_imu.scooter import (
         PoseCheck,
@@ -40,6 +42,8 @@ MEDIAN_WINDOW = 25
 NO_FAULT = ": the sensors were accelerated in "
 LOSSES = {"frozen": "frozen", "range": "saturated", "no gravity": "weightless"}
 """Words of the estimate for the faults of an accelerometer that take some samples from it."""
+OTHER_LENGTH = re.compile(r"in pose (?P<pose>\d+) the (?P<sensor>lever|body)'s IMU reads ")
+"""What a calibration says of a pose in which an accelerometer reads something else than gravity."""
 
 Ride = Annotated[
     Path,
@@ -204,29 +208,36 @@ def calibrate(
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
     recordings = [read_input(path, "scooter", sampling_rate_hz, fill_gaps_s) for path in parked]
-    of = [(one.source, fault) for one in recordings for fault in find_faults(one, scooter)]
-    faults, told = [fault for _, fault in of], {(source, fault.sensor) for source, fault in of}
+    of = [(one, fault) for one in recordings for fault in find_faults(one, scooter)]
+    faults = [fault for _, fault in of]
     tell_faults(faults, strict)
     with naming(faults):
         found = calibrate_mount(recordings, settings, scooter)
     if strict and found.severe:
         by_file = found.severe[0].startswith(tuple(one.source for one in recordings))
         raise InputError(found.severe[0] if by_file else f"{poses}: {found.severe[0]}")
-    warn(text for text in found.warnings if not _is_of_a_pose(text, told))
+    warn(text for text in found.warnings if not _is_explained(text, of))
     outputs.write({output: found.to_toml().encode()})
     read = f"read: {len(parked)} parked recordings, {len(settings)} poses in each"
     summarize([read, *scooter_mount_lines(found), written_line([output])], quiet)
 
 
-def _is_of_a_pose(text: str, told: Collection[tuple[str, str]]) -> bool:
-    """Whether a sentence says of a pose what was told of the accelerometer that reads it."""
-    return any(
-        text.startswith(f"{source}: in pose ")
-        and sensor.startswith(f"{name}_acc")
-        and f"the {name}'s IMU" in text
-        for source, sensor in told
-        for name in ("lever", "body")
-    )
+def _is_explained(text: str, of: Sequence[tuple[Recording, Fault]]) -> bool:
+    """Whether a sentence on gravity's length in a pose repeats a fault that was told of it.
+
+    A body that leans is another thing: no scale turns gravity.
+    """
+    from mobility_imu.scooter.calibration import find_stills
+
+    for parked, fault in of:
+        said = OTHER_LENGTH.match(text.removeprefix(f"{parked.source}: "))
+        if not said or not text.startswith(f"{parked.source}: "):
+            continue
+        pose, sensor = int(said["pose"]), said["sensor"]
+        rest = find_stills(parked)[pose - 1]
+        if fault.sensor.startswith(f"{sensor}_acc") and fault.flags[rest].any():
+            return True
+    return False
 
 
 @app.command("check")

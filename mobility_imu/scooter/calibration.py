@@ -36,6 +36,7 @@ from mobility_imu.scooter.angles import three_axis_angles
 from mobility_imu.scooter.force import is_wrong_length
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 from mobility_imu.scooter.mount import ScooterMount
+from mobility_imu.scooter.pose_table import Places, step_of, wrong_angles
 
 __all__ = [
     "ParkedPose",
@@ -170,7 +171,8 @@ def calibrate_mount(
     """Mount of both IMUs from recordings of a parked scooter.
 
     Park, move the controls through the poses, hold each for two seconds; do it on level ground and
-    on a ramp.
+    on a ramp. A stated angle that does not fit the others is told; one angle by which all are off
+    is a turn of an IMU and cannot be seen (:mod:`mobility_imu.scooter.pose_table`).
 
     Parameters
     ----------
@@ -197,12 +199,16 @@ def calibrate_mount(
     of_each = [(one.source, parked_poses(one, settings_of_poses_rad)) for one in parked]
     poses = [pose for _, some in of_each for pose in some]
     found = mount_from_poses(poses, geometry, pose_sd_rad=pose_sd_rad, prior_sd_rad=prior_sd_rad)
-    swayed = tuple(
+    swayed = [
         text
         for source, some in of_each
         for text in (*_says_length(source, some), *_says_sway(source, some))
-    )
-    return replace(found, warnings=(*swayed, *found.warnings), severe=(*swayed, *found.severe))
+    ]
+    # Where a reading is at fault, no angle is to blame.
+    wrong = [] if swayed else _says_wrong(found, [some for _, some in of_each], parked)
+    severe = (*swayed, *found.severe, *wrong)
+    others = [text for text in found.warnings if text not in found.severe]
+    return replace(found, warnings=(*severe, *others), severe=severe)
 
 
 def mount_from_poses(
@@ -352,6 +358,31 @@ def _says_turned(turns: FloatArray, prior_sd_rad: float) -> list[str]:
         for name, turn in (("lever", turns[:3]), ("body", turns[3:]))
         if np.abs(turn).max() > LARGEST_TURN_SDS * prior_sd_rad
     ]
+
+
+def _says_wrong(
+    found: ScooterCalibration, places: Sequence[Sequence[ParkedPose]], parked: Sequence[Recording]
+) -> list[str]:
+    """A sentence on the angles that do not fit the others."""
+    lever, body = (
+        np.array([_directions([getattr(p, name) for p in some], name) for some in places])
+        for name in ("lever_acc_mps2", "body_acc_mps2")
+    )
+    held = Places(lever, body, max(map(step_of, parked)))
+
+    def mount_of(table: FloatArray) -> ScooterMount:
+        poses = [
+            replace(pose, steering_rad=angles[0], throttle_rad=angles[1])
+            for some in places
+            for pose, angles in zip(some, table.tolist(), strict=True)
+        ]
+        return mount_from_poses(poses, found.geometry, pose_sd_rad=found.pose_sd_rad).mount
+
+    table = np.array([(pose.steering_rad, pose.throttle_rad) for pose in places[0]])
+    wrong = wrong_angles(held, table, found.geometry, mount_of)
+    if wrong is None or (not wrong.poses and found.misfit_rad > LARGEST_MISFIT_RAD):
+        return []
+    return [wrong.sentence(table)]
 
 
 def _says_length(source: str, poses: Sequence[ParkedPose]) -> list[str]:

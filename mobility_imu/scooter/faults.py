@@ -104,7 +104,8 @@ def find_faults(
     ground are turns of it; a turn of a sensor by less than the mount is uncertain; a slip about the
     vertical, or one that moves the throttle by less than 10 deg or the steering by less than 25; a
     scale of a gyroscope below some per cent; a turn of a sensor on a ride without curves and on
-    smooth ground.
+    smooth ground; a reversed axis of a gyroscope that turns so little that fusion's angles stay
+    within their standard deviation.
 
     Parameters
     ----------
@@ -520,7 +521,7 @@ def _priced(
         most = float(moved.max(initial=0.0))
         if fault.code == "lag" and fault.size < USUAL["lag"]:
             most = min(most, runs.most_by_lag(fault.size, recording.sampling_rate_hz))
-        if most < _least_sds(fault) and not _is_gross(fault):
+        if most < _least_sds(fault, settings) and not _is_gross(fault):
             continue
         flags, sentence = fault.flags | (moved > UNTRUSTED_SDS), fault.sentence
         least = SMALLEST_COST_DEG
@@ -549,8 +550,13 @@ def _says_little(settings: RideSettings, fault: Fault) -> str:
     return "it moves the angles by less than their standard deviation"
 
 
-def _least_sds(fault: Fault) -> float:
-    """How far a fault has to move the angles to be told, in their sd."""
+def _least_sds(fault: Fault, settings: RideSettings) -> float:
+    """How far a fault has to move the angles to be told, in their sd.
+
+    An axis of a gyroscope that hardly turns looks reversed by its noise; one that turns moves them.
+    """
+    if fault.code == "reversed" and fault.sensor.endswith("_gyr") and _is_used(fault, settings):
+        return LEAST_SDS
     if fault.code in GRADED:
         return UNTRUSTED_SDS if fault.size < USUAL.get(fault.code, 0.0) else LEAST_SDS
     if fault.code == "range" and fault.sensor.endswith("_acc"):

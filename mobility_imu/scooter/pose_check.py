@@ -45,10 +45,9 @@ from mobility_imu.scooter.calibration import (
 from mobility_imu.scooter.geometry import (
     ScooterGeometry,
     body_specific_force,
-    lever_acceleration,
-    rotation_lever_to_body,
 )
 from mobility_imu.scooter.mount import ScooterMount
+from mobility_imu.scooter.pose_errors import by_errors, by_set_angles, set_covariance
 from mobility_imu.scooter.ride import Method, RideSettings, estimate_ride
 from mobility_imu.scooter.sensitivity import by_lever_acceleration
 
@@ -72,8 +71,6 @@ SLOPES_DEG = (0.0, 5.0)
 """Poses and slopes of the calibration that is assumed where there is a mount."""
 MOST_OF_A_REST = 0.5
 """Fraction of a rest's samples that a method has to trust."""
-STEP_RAD = 1e-5
-"""Step of numerical derivatives."""
 
 
 @dataclass(frozen=True)
@@ -326,7 +323,7 @@ def check_poses(
         found = np.column_stack([angles.steering_rad, angles.throttle_rad])
         stated, judged = None, np.asarray(angles.valid)
     covariance = _covariance(found, body, geometry, spread, stated, judged)
-    of_set = _set_covariance(believed, settings.scale_sd_rad, settings.reading_sd_rad)
+    of_set = set_covariance(believed, settings.scale_sd_rad, settings.reading_sd_rad)
     difference, total = wrap_angle(found - believed), covariance + of_set
     verdict, warnings = _judge(difference, total, judged)
     return PoseCheck(
@@ -400,68 +397,6 @@ def pose_uncertainty(
     return _deviations(_covariance(poses, body, geometry, spread, None, everywhere))
 
 
-def _misfit(poses: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> FloatArray:
-    """D of poses, (n, 3, 32): by how much the lever's direction misses eq. 5 for each error.
-
-    Columns: turns of lever and body; offset and, row by row, axes of the lever, then of the body;
-    alpha and beta. Directions, not accelerations: an error along them changes nothing.
-    """
-    steering, throttle = poses.T
-    body = body / np.linalg.norm(body, axis=-1, keepdims=True)
-    rotation = rotation_lever_to_body(steering, throttle, geometry)
-    lever = lever_acceleration(body, steering, throttle, geometry)
-    to_lever = _across(lever)
-    to_body = -np.swapaxes(rotation, -1, -2) @ _across(body)
-    parts = (
-        np.cross(to_lever, lever[:, None, :]),
-        np.cross(to_body, body[:, None, :]),
-        to_lever @ _sensor_errors(lever),
-        to_body @ _sensor_errors(body),
-        to_lever @ _by_inclinations(poses, body, geometry),
-    )
-    return np.concatenate(parts, axis=-1)
-
-
-def _across(directions: FloatArray) -> FloatArray:
-    """Matrix that takes off the part along a direction, (n, 3, 3)."""
-    return np.asarray(np.eye(3) - directions[:, :, None] * directions[:, None, :])
-
-
-def _sensor_errors(directions: FloatArray) -> FloatArray:
-    """Change of a reading by its offset (three columns) and by its axes (nine), (n, 3, 12)."""
-    count = len(directions)
-    offset = np.broadcast_to(np.eye(3), (count, 3, 3))
-    axes = np.einsum("ik,nj->nikj", np.eye(3), directions).reshape(count, 3, 9)
-    return np.concatenate([offset, axes], axis=-1)
-
-
-def _by_inclinations(poses: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> FloatArray:
-    """Minus the change of eq. 5's prediction by alpha and by beta, (n, 3, 2)."""
-    believed = np.array([geometry.steering_inclination_rad, geometry.lever_inclination_rad])
-    columns = []
-    for step in STEP_RAD * np.eye(2):
-        ahead, behind = (
-            lever_acceleration(
-                body, poses[:, 0], poses[:, 1], ScooterGeometry(*inclinations.tolist())
-            )
-            for inclinations in (believed + step, believed - step)
-        )
-        columns.append((behind - ahead) / (2 * STEP_RAD))
-    return np.stack(columns, axis=-1)
-
-
-def _by_angles(poses: FloatArray, body: FloatArray, geometry: ScooterGeometry) -> FloatArray:
-    """Change of eq. 5's prediction by steering and throttle, (n, 3, 2)."""
-    columns = []
-    for step in STEP_RAD * np.eye(2):
-        ahead, behind = (
-            lever_acceleration(body, moved[:, 0], moved[:, 1], geometry)
-            for moved in (poses + step, poses - step)
-        )
-        columns.append((ahead - behind) / (2 * STEP_RAD))
-    return np.stack(columns, axis=-1)
-
-
 def _residual(
     geometry: ScooterGeometry, settings: PoseCheckSettings, *, calibrated: bool
 ) -> FloatArray:
@@ -476,34 +411,21 @@ def _residual(
     stops = np.deg2rad(np.tile(STOPS_DEG, (len(SLOPES_DEG), 1)).astype(float))
     slopes = np.repeat(np.deg2rad(SLOPES_DEG), len(STOPS_DEG))
     body = body_specific_force(slopes, np.zeros_like(slopes), 1.0)
-    misfit = _misfit(stops, body, geometry).reshape(3 * len(stops), -1)
+    misfit = by_errors(stops, body, geometry).reshape(3 * len(stops), -1)
     weighted = misfit[:, :6].T @ misfit[:, :6] / POSE_SD_RAD**2 + np.eye(6) / PRIOR_SD_RAD**2
     gain = np.linalg.solve(weighted, misfit[:, :6].T) / POSE_SD_RAD**2
     left = np.eye(len(spread))
     left[:6] -= gain @ misfit
     spread = left @ spread @ left.T
     # Stops that are off move the prediction, pose by pose; the same stop always by the same angle.
-    by_stops = _by_angles(stops, body, geometry)
+    by_stops = by_set_angles(stops, body, geometry)
     moved = np.zeros((len(stops), 3, len(stops), 2))
     moved[np.arange(len(stops)), :, np.arange(len(stops))] = by_stops
     turned = gain @ moved.reshape(3 * len(stops), -1)
-    spread[:6, :6] += turned @ _set_covariance(stops, settings.stop_sd_rad, 0.0) @ turned.T
+    spread[:6, :6] += turned @ set_covariance(stops, settings.stop_sd_rad, 0.0) @ turned.T
     offsets = np.r_[6:9, 18:21]
     spread[offsets, offsets] += (settings.acc_change_sd_mps2 / STANDARD_GRAVITY_MPS2) ** 2
     return np.asarray(spread)
-
-
-def _set_covariance(poses: FloatArray, common_sd: float, own_sd: float) -> FloatArray:
-    """Covariance S of set angles, (2n, 2n): an error of each angle of the scale, one of each pose.
-
-    Angles are ordered as steering and throttle of the first pose, then of the second.
-    """
-    rounded, size = poses.round(6), poses.size
-    covariance = own_sd**2 * np.eye(size)
-    for control in range(2):
-        same = rounded[:, None, control] == rounded[None, :, control]
-        covariance[control::2, control::2] += common_sd**2 * same
-    return covariance
 
 
 def _covariance(
@@ -521,8 +443,8 @@ def _covariance(
     poses = found[judged]
     force = body[judged] / np.linalg.norm(body[judged], axis=-1, keepdims=True)
     inverse = by_lever_acceleration(force, poses[:, 0], poses[:, 1], geometry)
-    by_errors = (inverse @ _misfit(poses, force, geometry)).reshape(poses.size, len(spread))
-    shared = by_errors @ spread @ by_errors.T
+    moved = (inverse @ by_errors(poses, force, geometry)).reshape(poses.size, len(spread))
+    shared = moved @ spread @ moved.T
     if stated is not None:
         scale = stated[judged].ravel() / np.sqrt(np.diag(shared))
         shared = shared * np.outer(scale, scale)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from mobility_imu.data import recorded_folder
 from mobility_imu.errors import InputError
@@ -43,8 +44,6 @@ COUNTED = ("refused", "matter", "told", "right", "priced", "within_two", "unpric
 
 
 def test_the_summary_is_that_of_the_rows(numbers, table):
-    if recorded.is_stale("faults_scooter"):
-        pytest.skip("the record is older than the code")
     again = study.summary(table).reset_index().to_dict("records")
     for found, kept in zip(again, numbers["summary"], strict=True):
         # Cells have three digits: a cost at the edge of a factor of two may fall to the other side.
@@ -58,19 +57,20 @@ def test_the_summary_is_that_of_the_rows(numbers, table):
 def test_how_many_are_told_and_how_well_they_are_priced(table):
     """Floors three standard deviations (of a fraction of as many cases) below the record.
 
-    The aims of the study are higher, 98 % told; its page says which of them are missed.
+    The aim of the study is 98 % told or refused; its page says which faults are missed.
     """
     found = study.summary(table)
     total = found.sum()
     assert total["matter"] > 650
-    assert total["told"] >= 0.94 * total["matter"]
+    assert total["told"] >= 0.96 * total["matter"]
+    assert total["refused"] + total["told"] >= 0.98 * (total["refused"] + total["matter"])
     assert total["right"] >= 0.93 * total["matter"]
     assert total["within_two"] >= 0.94 * total["priced"]
-    # The worst kinds: turns within what a mount leaves uncertain, and one pose of six.
+    # The worst kind: turns within what a mount leaves uncertain.
     part = found["told"] / found["matter"]
-    rough = ["turned since the calibration", "poses", "clock"]
+    rough = ["turned since the calibration", "clock"]
     assert part.drop(rough).min() >= 0.85
-    assert part["turned since the calibration"] >= 0.85 and part["poses"] >= 0.5
+    assert part["turned since the calibration"] >= 0.85
     right = found["right"] / found["matter"]
     assert right.drop(rough).min() >= 0.7
     assert right["turned since the calibration"] >= 0.6
@@ -78,10 +78,25 @@ def test_how_many_are_told_and_how_well_they_are_priced(table):
     assert near["turned since the calibration"] >= 0.6
 
 
+def test_an_axis_that_hardly_turns_is_not_called_reversed():
+    """Real sensors in many curves: the body's rate about x is mostly noise, and moves no angle."""
+    assert study.clean_row(212)["told"] == []
+
+
+LARGEST_ACCUSED, AIM = 0.03, 0.01
+"""Part of sound rides of which something may be told, and that which is wanted."""
+
+
 def test_how_often_a_sound_ride_is_accused(numbers):
-    """The aim is 1 %; at one ride in 40, more than 4.5 % come by chance once in 25 records."""
     clean = numbers["clean"]
-    assert len(clean["told"]) <= 0.045 * sum(clean["rides"].values())
+    assert len(clean["told"]) <= LARGEST_ACCUSED * sum(clean["rides"].values())
+
+
+def test_so_many_sound_rides_tell_the_aim_from_twice_the_limit():
+    """Number of accused rides is binomial: as wanted, it passes but once in 100 records."""
+    most = int(LARGEST_ACCUSED * study.CLEAN_RIDES)
+    assert stats.binom.sf(most, study.CLEAN_RIDES, AIM) < 0.01
+    assert stats.binom.cdf(most, study.CLEAN_RIDES, 2 * LARGEST_ACCUSED) < 0.05
 
 
 def test_counts_add_up():
@@ -111,9 +126,7 @@ def test_whole_turns_are_no_change():
 
 
 def test_one_row_is_found_again(table):
-    """The first lag of the first ride, computed here; of an older record, another ride's."""
-    if recorded.is_stale("faults_scooter"):
-        pytest.skip("the record is older than the code")
+    """The first lag of the first ride, computed here."""
     first = cases.ride_of(0)
     place = list(cases.KINDS).index("lag")
     kind = cases.KINDS["lag"]

@@ -13,7 +13,9 @@ from mobility_imu.scooter import (
     estimate_ride,
     find_faults,
 )
+from mobility_imu.scooter.agreement import Seen
 from mobility_imu.scooter.contradictions import LARGEST_SCALE, contradictions
+from mobility_imu.scooter.machine import zeros_of
 from mobility_imu.simulation import faults as put
 from mobility_imu.simulation.scooter import COURSES
 
@@ -144,3 +146,19 @@ def test_what_is_too_short_says_nothing_of_both():
     found = contradictions(put.late(ride(), "lever", 0.3).trim(5, 9.5), SUZUKI_ET4D, None)
     assert found.faults == () and not found.signs_tested
     assert contradictions(ride(), SUZUKI_ET4D, None).signs_tested
+
+
+@pytest.mark.parametrize("beside_m", [-0.22, 0.22])
+def test_the_zero_of_the_steering_does_not_move_with_where_the_lever_sits(beside_m):
+    """A lever beside the middle is pulled outwards, by r yaw² in curves to either side."""
+    rate_hz, zero = 50.0, np.deg2rad(3.0)
+    yaw = 0.8 * np.clip(1.5 * np.sin(np.arange(3000) / rate_hz / 4), -1, 1)
+    wheel = np.arctan(0.9 * yaw)
+    # eq. 5 near zero: a pull across moves the steering by its angle over the sine of 20 deg
+    pulled = beside_m * yaw**2 / 9.81 / np.sin(np.deg2rad(20))
+    steering = wheel + zero + pulled
+    up = np.tile([0.0, 0.0, 9.81], (len(yaw), 1))
+    turning = np.column_stack([0 * yaw, 0 * yaw, yaw])
+    seen = Seen(steering, 0 * yaw, np.ones(len(yaw), bool))
+    found = zeros_of(seen, up, turning, turning, rate_hz)
+    assert np.rad2deg(found.steering_rad) == pytest.approx(3.0, abs=0.3)

@@ -114,12 +114,8 @@ def test_one_sample_decides_over_a_constant():
     )
 
 
-def of_this_code(data_set):
-    """Record of a set, if it is of this code; whether it is another test says."""
-    name = f"real_{data_set.replace('-', '_')}"
-    if recorded.is_stale(name):
-        pytest.skip("the record is of other code")
-    return recorded.numbers(name)
+def record_of(data_set):
+    return recorded.numbers(f"real_{data_set.replace('-', '_')}")
 
 
 @pytest.mark.parametrize("name", LIMITS, ids="/".join)
@@ -129,7 +125,7 @@ def test_a_recording_gives_the_recorded_numbers_again(rides, name, monkeypatch):
     The whole study is computed again by a slow test.
     """
     data_set, recording = name
-    record, usual = of_this_code(data_set), ChainRecording.estimate
+    record, usual = record_of(data_set), ChainRecording.estimate
     part = Chain(data_set, {recording: CHAINS[data_set].recordings[recording]})
 
     def estimate(one, settings):
@@ -156,7 +152,7 @@ def test_a_recording_gives_the_recorded_numbers_again(rides, name, monkeypatch):
 
 
 def test_another_setting_gives_the_recorded_numbers_again(monkeypatch):
-    record = of_this_code("two-hinges")["variants"]["trial1_rigid"]
+    record = record_of("two-hinges")["variants"]["trial1_rigid"]
     one = read_chain(FOLDERS["two-hinges"], "trial1_rigid", "geometry.toml")
     monkeypatch.setattr(study, "SWEPT", ("misalignment_sd_rad",))
     names = [row["variant"] for row in record]

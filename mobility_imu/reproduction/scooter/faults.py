@@ -35,7 +35,7 @@ from mobility_imu.reproduction.scooter.fault_cases import (
     ride_of,
 )
 from mobility_imu.reproduction.scooter.real_hinges import ONE_HINGE, TWO_HINGES, read_chain
-from mobility_imu.scooter.calibration import LARGEST_MISFIT_RAD, calibrate_mount
+from mobility_imu.scooter.calibration import ScooterCalibration, calibrate_mount
 from mobility_imu.scooter.faults import find_faults
 from mobility_imu.scooter.geometry import SUZUKI_ET4D
 from mobility_imu.scooter.ride import RideAngles, RideSettings, estimate_ride
@@ -210,7 +210,8 @@ def pose_rows(number: int) -> list[list[Any]]:
 
     Returns
     -------
-    list of rows; ``moved_sds`` is the largest turn of an IMU in its standard deviations
+    list of rows; ``moved_sds`` is the largest turn of an IMU in its standard deviations; a pose is
+    rightly told by its number, or as one that fits no mount
     """
     seed, rng = SEED + number, np.random.default_rng([SEED, len(KINDS), number])
     parked = [
@@ -222,20 +223,26 @@ def pose_rows(number: int) -> list[list[Any]]:
     for _ in range(CASES // RIDES):
         size, towards = log_uniform(rng, 0.3, 60.0), rng.uniform(0, 2 * np.pi)
         table = np.array(PARKED_POSES_RAD)
-        table[rng.integers(len(table))] += np.deg2rad(size) * np.array(
-            [np.cos(towards), np.sin(towards)]
-        )
+        place = int(rng.integers(len(table)))
+        table[place] += np.deg2rad(size) * np.array([np.cos(towards), np.sin(towards)])
         wrong = calibrate_mount(parked, [(float(s), float(t)) for s, t in table], SUZUKI_ET4D)
         apart = [
             Rotation.from_matrix(getattr(wrong.mount, key) @ getattr(right.mount, key).T)
             for key in ("rotation_lever_imu_to_lever", "rotation_body_imu_to_body")
         ]
         turns = np.concatenate([turn.as_rotvec() for turn in apart])
-        told = wrong.misfit_rad > LARGEST_MISFIT_RAD
+        found_as = _found_as(wrong)
+        named = found_as in ("misfit", f"pose {place + 1}")
         rows.append(["poses", "LPMS, calibrated", "poses", size, "deg",
-                     float(np.abs(turns / right.sd_rad).max()), "misfit" if told else "",
-                     int(told), np.nan, np.nan, np.nan, np.nan])  # fmt: skip
+                     float(np.abs(turns / right.sd_rad).max()), found_as.split()[0] if found_as
+                     else "", int(named), np.nan, np.nan, np.nan, np.nan])  # fmt: skip
     return rows
+
+
+def _found_as(calibration: ScooterCalibration) -> str:
+    """The pose that a calibration calls wrong, else "misfit" if it says anything, else ""."""
+    named = (re.match(r"pose \d+", text) for text in calibration.severe)
+    return next((found[0] for found in named if found), "misfit" if calibration.severe else "")
 
 
 def faults_record(executor: Any = None) -> Numbers | None:
