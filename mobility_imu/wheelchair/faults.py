@@ -360,7 +360,8 @@ def _jumps(recording: Recording, name: str, gyr_radps: FloatArray, far: NDArray[
 
 def _held(one: _Own, name: str, cut: NDArray[np.bool_]) -> list[Fault]:
     """A gyroscope that repeats its last reading for some samples only; a cut range is another."""
-    held = held_samples(one.recording.gyroscope(name)) & one.failed.get(name, np.False_) & ~cut
+    imu, failed = one.recording.sensor(name), one.failed.get(name, np.False_)
+    held = held_samples(one.recording.gyroscope(name), imu.acc_mps2) & failed & ~cut
     if not held.any():
         return []
     found = fault_of(

@@ -252,25 +252,33 @@ def _against_wheels(w: Witnesses) -> Gain | None:
 
 
 def _scale(w: Witnesses, by_gravity: Gain) -> tuple[float, float]:
-    """Scale error of the frame's gyroscope and its standard deviation."""
+    """Scale error of the frame's gyroscope and its standard deviation.
+
+    Gravity in the wheels knows it but for the camber, their speeds but for the track: the mean of
+    both by their variances, to which the scale that sound gyroscopes differ by is added.
+    """
     errors, camber = w.errors, w.geometry.camber_rad
-    sd = float(
-        np.sqrt(
+    error, variance = (
+        by_gravity.gain - 1,
+        (
             by_gravity.gain_sd**2
             + (np.tan(camber) * errors.camber_sd_rad) ** 2
-            + errors.scale_sd**2 * (1 + 1 / (2 * len(w.sides)))
-        )
+            + errors.scale_sd**2 / (2 * len(w.sides))
+        ),
     )
-    error = by_gravity.gain - 1
     speeds = w.by_speeds
     # What slips stands on the left: far off, it would turn the line.
     other = None if speeds is None else gain_of(w.yaw["frame"], speeds, w.rate_hz)
     if other is not None and other.correlation > ALIKE:
         track = errors.track_sd_m / w.geometry.wheel_centre_distance_m
-        apart = abs(1 / other.gain - by_gravity.gain) / by_gravity.gain
-        if apart > 3 * np.hypot(track, errors.radius_sd):
-            return 0.0, sd  # camber or track is wrong, which is another question
-    return error, sd
+        wheels = float(np.hypot(track, errors.radius_sd))
+        if abs(1 / other.gain - by_gravity.gain) / by_gravity.gain > 3 * wheels:
+            # Camber or track is wrong, which is another question.
+            return 0.0, float(np.sqrt(variance + errors.scale_sd**2))
+        weight = variance / (variance + wheels**2 + errors.scale_sd**2 + other.gain_sd**2)
+        error += weight * (1 / other.gain - 1 - error)
+        variance *= 1 - weight
+    return float(error), float(np.sqrt(variance + errors.scale_sd**2))
 
 
 def at_odds(w: Witnesses) -> Iterator[Fault]:
