@@ -16,7 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect, settings_or_default
-from mobility_imu.faults import Fault, all_repaired, interpolated, one_sided, with_costs
+from mobility_imu.faults import (
+    Fault,
+    all_repaired,
+    interpolated,
+    one_sided,
+    repaired_where_possible,
+    with_costs,
+)
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine, fault_of
 from mobility_imu.offsets import GyroscopeOffset
@@ -208,11 +215,11 @@ def sensor_faults(
         mending = [fault for fault in new if fault.repair is not None]
         if any(fault.code == "exchanged" for fault in mending):
             # What each sensor shows by itself, and what replaces it, goes by the right names now.
-            named = all_repaired(looked, recording)
+            named = repaired_where_possible(looked, recording)
             own = _of_one_sensor(named, geometry, mount, settings)
             witnesses = _witnesses(named, own, geometry, mount, settings, witnesses.given)
         elif mending:
-            mended = all_repaired(mending, witnesses.recording)
+            mended = repaired_where_possible(mending, witnesses.recording)
             witnesses = replace(witnesses, recording=mended)
     return tuple(sign_faults.told_once([*found, *looked]))
 
@@ -233,7 +240,7 @@ def _witnesses(
     mute |= _long_lost(own, "gyr", "dead axis") | (blind - {"frame"})
     touched = np.any([f.flags for f in own if not f.flags.all()] + [*failed.values()], axis=0)
     return Witnesses(
-        all_repaired(own, recording),
+        repaired_where_possible(own, recording),
         geometry,
         mount,
         given,
