@@ -68,6 +68,8 @@ class Fault(Result):
     unit : of the size
     repair : what gives the recording without the fault, as well as can be; None if nothing can
     costs : how far it moves each result, 0 if it does not; empty if that is not known
+    changes : whether it is another one in one part of the recording than in the next, as an offset
+        is that steps or drifts
     """
 
     code: str
@@ -79,6 +81,7 @@ class Fault(Result):
     unit: str = ""
     repair: Repair | None = None
     costs: tuple[Cost, ...] = ()
+    changes: bool = False
 
     @property
     def samples(self) -> int:
