@@ -21,12 +21,7 @@ from mobility_imu.offsets import (
     rest_offsets,
     without_offsets,
 )
-from mobility_imu.quality import (
-    LARGEST_OFFSET_RADPS,
-    Resolution,
-    resolution_of,
-    same_as_before,
-)
+from mobility_imu.quality import LARGEST_OFFSET_RADPS, Resolution, resolution_of, same_as_before
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
@@ -69,6 +64,8 @@ SHORTEST_HELD = 4
 LARGEST_CHANCE, LEAST_CHANCE = 1e-3, 0.02
 """Of a repetition by noise alone (three sensors then alarm in 0.3 % of sound drives at most); three
 axes repeat together at least so often."""
+JUMP_PART = 0.02
+"""A repetition that ends in a change as large as so few are hid a motion; by chance, so few do."""
 FEWEST_CHANGES = 50
 """Of fewer changes a correlation says little."""
 QUIETEST = 0.2
@@ -166,9 +163,12 @@ def held_samples(gyr_radps: FloatArray, acc_mps2: FloatArray | None = None) -> F
     alone = _chance_of(found)
     beside = np.zeros_like(held) if acc_mps2 is None else same_as_before(acc_mps2)
     together = alone if acc_mps2 is None else alone * _chance_of(resolution_of(acc_mps2, skip=held))
+    step = np.append(np.linalg.norm(np.diff(gyr_radps, axis=0), axis=1), 0.0)
+    jumps = step > np.quantile(step, 1 - JUMP_PART)
     for run in runs:
         chance = together if beside[run].all() else alone
-        if len(gyr_radps) * chance ** (run.stop - run.start) > LARGEST_CHANCE:
+        most = LARGEST_CHANCE / JUMP_PART if jumps[run.stop - 1] else LARGEST_CHANCE
+        if len(gyr_radps) * chance ** (run.stop - run.start) > most:
             held[run.start - 1 : run.stop] = False
     return held
 

@@ -171,6 +171,22 @@ def test_a_repetition_of_both_halves_is_a_lost_packet_sooner():
     assert not held_samples(gyr, np.tile([0.0, 0.0, 9.81], (6000, 1))).any()
 
 
+def test_a_repetition_that_hid_a_motion_is_told_sooner():
+    """Five equal readings of noise of two steps, at rest and while the rate changes."""
+    rng = np.random.default_rng(8)
+    motion = 2 * np.sin(np.arange(6000) / 40) * (np.arange(6000) > 2000)
+    gyr = (
+        motion[:, None] * [1.0, 0.5, 0.5] / 0.001 + rng.normal(0, 1.0, (6000, 3))
+    ).round() * 0.001
+    assert not held_samples(gyr).any()
+    for first, told in ((1000, False), (3011, True)):
+        held = gyr.copy()
+        held[first : first + 5] = held[first]
+        assert np.flatnonzero(held_samples(held)).tolist() == (
+            list(range(first, first + 5)) if told else []
+        )
+
+
 @pytest.mark.parametrize(("seed", "factor"), [(63, 0.98), (67, 1.02), (80, 0.98), (96, 1.02)])
 def test_camber_and_track_together_know_the_frame_s_scale_better(seed, factor):
     """By 13 to 22 deg of camber alone 2 % is within three standard deviations."""
