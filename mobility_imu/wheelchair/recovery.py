@@ -64,7 +64,7 @@ SHORTEST_HELD = 4
 LARGEST_CHANCE, LEAST_CHANCE = 1e-3, 0.02
 """Of a repetition by noise alone (three sensors then alarm in 0.3 % of sound drives at most); three
 axes repeat together at least so often."""
-JUMP_PART = 0.02
+JUMP_PART = 0.1
 """A repetition that ends in a change as large as so few are hid a motion; by chance, so few do."""
 FEWEST_CHANGES = 50
 """Of fewer changes a correlation says little."""
@@ -137,9 +137,7 @@ def _none_says_anything(recording: Recording, sensors: Sequence[str]) -> bool:
 
 
 def held_samples(gyr_radps: FloatArray, acc_mps2: FloatArray | None = None) -> Flags:
-    """Repetitions of a gyroscope that are too long for chance, with the noise that it has.
-
-    Where the accelerometer repeats itself as well, the chances of both multiply.
+    """Repetitions of a gyroscope, or of both halves, that are too long for chance by its noise.
 
     Parameters
     ----------
@@ -162,7 +160,9 @@ def held_samples(gyr_radps: FloatArray, acc_mps2: FloatArray | None = None) -> F
         return np.zeros_like(held)
     alone = _chance_of(found)
     beside = np.zeros_like(held) if acc_mps2 is None else same_as_before(acc_mps2)
-    together = alone if acc_mps2 is None else alone * _chance_of(resolution_of(acc_mps2, skip=held))
+    # Packets that are delivered twice repeat both halves as well: never below the least.
+    both = 1.0 if acc_mps2 is None else _chance_of(resolution_of(acc_mps2, skip=held))
+    together = max(alone * both, LEAST_CHANCE)
     step = np.append(np.linalg.norm(np.diff(gyr_radps, axis=0), axis=1), 0.0)
     jumps = step > np.quantile(step, 1 - JUMP_PART)
     for run in runs:
