@@ -68,6 +68,8 @@ class Fault(Result):
     unit : of the size
     repair : what gives the recording without the fault, as well as can be; None if nothing can
     costs : how far it moves each result, 0 if it does not; empty if that is not known
+    changes : whether it is another one in one part of the recording than in the next, as an offset
+        is that steps or drifts
     """
 
     code: str
@@ -79,6 +81,7 @@ class Fault(Result):
     unit: str = ""
     repair: Repair | None = None
     costs: tuple[Cost, ...] = ()
+    changes: bool = False
 
     @property
     def samples(self) -> int:
@@ -146,7 +149,21 @@ def one_sided(fault: Fault) -> bool:
     -------
     bool
     """
-    return fault.code == "frozen" and bool(fault.flags[0] or fault.flags[-1])
+    return fault.code == "frozen" and reaches_an_end(fault.flags)
+
+
+def reaches_an_end(flags: NDArray[np.bool_]) -> bool:
+    """Whether a loss has no sample before it or after it, so that no line can bridge it.
+
+    Parameters
+    ----------
+    flags : (n,) bool array, the lost samples
+
+    Returns
+    -------
+    bool
+    """
+    return bool(flags[0] or flags[-1])
 
 
 def _priced(
@@ -197,6 +214,26 @@ def all_repaired(faults: Iterable[Fault], recording: Recording) -> Recording:
     """
     repairs = [fault.repair for fault in faults if fault.repair is not None]
     return reduce(lambda mended, repair: repair(mended), repairs, recording)
+
+
+def repaired_where_possible(faults: Iterable[Fault], recording: Recording) -> Recording:
+    """Recording in which each fault is undone, as far as the result is a recording.
+
+    Parameters
+    ----------
+    faults : Fault, of the recording
+    recording : Recording
+
+    Returns
+    -------
+    Recording
+    """
+    for fault in faults:
+        try:
+            recording = all_repaired([fault], recording)
+        except InputError:
+            continue
+    return recording
 
 
 def with_readings(

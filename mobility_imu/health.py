@@ -22,6 +22,7 @@ from mobility_imu.faults import (
     half_of,
     interpolated,
     multiplied,
+    reaches_an_end,
     widened,
     with_half,
 )
@@ -270,14 +271,13 @@ def _stuck(
         if not stuck.any():
             continue
         number = values[int(np.argmax(stuck)), k]
-        # A line needs readings on both sides: from one side it repeats what is stuck.
         bridged = partial(_axis_bridged, sensor=name, half=half, axis=k, flags=stuck)
         yield fault_of(
             recording, "dead axis", f"{name}_{half}_{'xyz'[k]}", stuck,
             f"stays at {number:.4g} {unit}, which its noise alone would change: it says nothing "
             "there; leave these times out, or use another sensor",
             size=float(stuck.sum() / rate), unit="s",
-            repair=None if stuck[0] or stuck[-1] else bridged,
+            repair=None if reaches_an_end(stuck) else bridged,
         )  # fmt: skip
 
 

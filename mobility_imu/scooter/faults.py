@@ -18,7 +18,14 @@ from scipy import ndimage
 
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.faults import Fault, Repair, all_repaired, interpolated, with_costs
+from mobility_imu.faults import (
+    Fault,
+    Repair,
+    interpolated,
+    reaches_an_end,
+    repaired_where_possible,
+    with_costs,
+)
 from mobility_imu.frames import FloatArray, as_flags, wrap_angle
 from mobility_imu.health import FEWEST_VALUES, examine, fault_of, single_spikes
 from mobility_imu.recording import Recording
@@ -203,7 +210,7 @@ def _told_together(
     Where an accelerometer feels no gravity, or both sensors lost the same, nothing comes back that
     another sensor could be held against: the longest part without such a loss is looked at.
     """
-    mended, kept = _mended(alone, recording), np.ones(len(recording), np.bool_)
+    mended, kept = repaired_where_possible(alone, recording), np.ones(len(recording), np.bool_)
     for fault in alone:
         if fault.code == "no gravity" or (fault.code in LOST and fault.repair is None):
             kept &= ~fault.flags
@@ -218,16 +225,6 @@ def _told_together(
     first_s = float(recording.time_s[0])
     faults = tuple(replace(fault, flags=whole, first_s=first_s) for fault in found.faults)
     return Contradictions(faults, found.signs_tested)
-
-
-def _mended(faults: Iterable[Fault], recording: Recording) -> Recording:
-    """Recording in which each fault is undone, as far as the result is a recording."""
-    for fault in faults:
-        try:
-            recording = all_repaired([fault], recording)
-        except InputError:
-            continue
-    return recording
 
 
 def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
@@ -412,7 +409,7 @@ def _bridge(
     alone = len(names) < 2 or not gyroscopes
     if fault.code in LOST and half == "acc":
         # A line needs readings on both sides, the hinges' rates those on one.
-        if fault.flags.all() or (alone and (fault.flags[0] or fault.flags[-1])):
+        if fault.flags.all() or (alone and reaches_an_end(fault.flags)):
             return None
     if alone:
         return fault.repair

@@ -26,7 +26,6 @@ from mobility_imu.frames import FloatArray, as_number
 from mobility_imu.offsets import (
     GyroscopeOffset,
     merge_offsets,
-    offset_warnings,
     rest_offsets,
     without_offsets,
 )
@@ -38,7 +37,7 @@ from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import SIDES, WheelchairGeometry
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.mount import WheelchairMount
-from mobility_imu.wheelchair.rest_faults import changes
+from mobility_imu.wheelchair.rest_faults import offsets_not_told
 from mobility_imu.wheelchair.saturation import (
     saturated_gyroscopes,
     saturation_warnings,
@@ -211,11 +210,11 @@ def check_geometry(
     merged = merge_offsets(rest_offsets(recording, names), as_offsets(offsets))
     found = {name: merged[name] for name in names if name in merged}
     saturated = saturated_gyroscopes(recording, names)
+    faults = sensor_faults(recording, geometry, mount, offsets=offsets)
     warnings = (
-        *offset_warnings(recording, found, names),
+        *offsets_not_told(recording, found, names, faults),
         *saturation_warnings(recording, saturated),
     )
-    faults = sensor_faults(recording, geometry, mount, offsets=offsets)
     cut = {f.sensor: f.flags for f in faults if f.code == "range" and f.sensor.endswith("_gyr")}
     usable = usable_samples(len(recording), {**saturated, **cut})
     recording = without_offsets(recording, found)
@@ -251,7 +250,7 @@ def _spoils(fault: Fault, turned_rad: float, together: bool) -> bool:
         return False
     if fault.code == "at odds" and together:
         return False  # the geometry that was given is wrong, which is what is asked
-    if changes(fault):
+    if fault.changes:
         return True  # one constant is fitted, which is wrong in a part of the drive
     if fault.code in UNJUDGED_BEYOND:
         return fault.size > UNJUDGED_BEYOND[fault.code]

@@ -16,10 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect, settings_or_default
-from mobility_imu.faults import Fault, all_repaired, interpolated, one_sided, with_costs
+from mobility_imu.faults import (
+    Fault,
+    all_repaired,
+    interpolated,
+    one_sided,
+    repaired_where_possible,
+    with_costs,
+)
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine, fault_of
-from mobility_imu.offsets import GyroscopeOffset
+from mobility_imu.offsets import GyroscopeOffset, offset_warnings
 from mobility_imu.recording import Recording
 from mobility_imu.wheelchair import (
     frame_faults,
@@ -28,7 +35,7 @@ from mobility_imu.wheelchair import (
     sign_faults,
     wheel_faults,
 )
-from mobility_imu.wheelchair.contradictions import Witnesses, lone_jumps
+from mobility_imu.wheelchair.contradictions import SharedMotion, lone_jumps
 from mobility_imu.wheelchair.dead_axis import with_axis_repair
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
@@ -42,6 +49,7 @@ from mobility_imu.wheelchair.recovery import (
     unreplaced,
     with_gyroscope,
 )
+from mobility_imu.wheelchair.rest_faults import offsets_not_told
 from mobility_imu.wheelchair.saturation import saturated_gyroscopes, saturation_warnings
 from mobility_imu.wheelchair.series import as_offsets
 from mobility_imu.wheelchair.slip import at_odds
@@ -67,7 +75,7 @@ MUTE_PART = 0.3
 """A sensor that fails for more of the time is not used to judge others. Set by hand on simulated
 courts that the study of faults does not use."""
 
-Look = Callable[[Witnesses], Iterator[Fault]]
+Look = Callable[[SharedMotion], Iterator[Fault]]
 LOOKS: tuple[Look, ...] = (
     frame_faults.taken_for_a_wheel,
     rest_faults.large_offsets,
@@ -193,47 +201,47 @@ def sensor_faults(
         return tuple(found)
     if recording.time_s[-1] - recording.time_s[0] < SHORTEST_S:
         return tuple(found)
-    witnesses = _witnesses(recording, found, geometry, mount, settings, given)
-    if not witnesses.sides or "frame" not in witnesses.names:
+    shared = _shared_motion(recording, found, geometry, mount, settings, given)
+    if not shared.sides or "frame" not in shared.names:
         return tuple(found)
     looked: list[Fault] = []
     for look in LOOKS:
-        new = list(look(witnesses))
+        new = list(look(shared))
         looked += new
         part = [fault for fault in new if fault.code == "at odds" and not fault.flags.all()]
         if any(fault.flags.mean() > piece_faults.MUCH for fault in part):
             break
         for fault in part:
-            witnesses = replace(witnesses, touched=witnesses.spoiled | fault.flags)
+            shared = replace(shared, touched=shared.spoiled | fault.flags)
         mending = [fault for fault in new if fault.repair is not None]
         if any(fault.code == "exchanged" for fault in mending):
             # What each sensor shows by itself, and what replaces it, goes by the right names now.
-            named = all_repaired(looked, recording)
+            named = repaired_where_possible(looked, recording)
             own = _of_one_sensor(named, geometry, mount, settings)
-            witnesses = _witnesses(named, own, geometry, mount, settings, witnesses.given)
+            shared = _shared_motion(named, own, geometry, mount, settings, shared.given)
         elif mending:
-            mended = all_repaired(mending, witnesses.recording)
-            witnesses = replace(witnesses, recording=mended)
+            mended = repaired_where_possible(mending, shared.recording)
+            shared = replace(shared, recording=mended)
     return tuple(sign_faults.told_once([*found, *looked]))
 
 
-def _witnesses(
+def _shared_motion(
     recording: Recording,
     own: Iterable[Fault],
     geometry: WheelchairGeometry,
     mount: WheelchairMount,
     settings: VelocitySettings,
     given: Mapping[str, GyroscopeOffset],
-) -> Witnesses:
-    """Witnesses of a recording in which what each sensor shows by itself is mended."""
+) -> SharedMotion:
+    """Motion by a recording in which what each sensor shows by itself is mended."""
     own, failed = list(own), _failed(recording, geometry, mount)
     mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
     blind = frozenset(_long_lost(own, "acc", "dead axis", "frozen"))
     # The frame knows its yaw rate without gravity; where gyroscopes are frozen is known better.
     mute |= _long_lost(own, "gyr", "dead axis") | (blind - {"frame"})
     touched = np.any([f.flags for f in own if not f.flags.all()] + [*failed.values()], axis=0)
-    return Witnesses(
-        all_repaired(own, recording),
+    return SharedMotion(
+        repaired_where_possible(own, recording),
         geometry,
         mount,
         given,
@@ -360,7 +368,8 @@ def _jumps(recording: Recording, name: str, gyr_radps: FloatArray, far: NDArray[
 
 def _held(one: _Own, name: str, cut: NDArray[np.bool_]) -> list[Fault]:
     """A gyroscope that repeats its last reading for some samples only; a cut range is another."""
-    held = held_samples(one.recording.gyroscope(name)) & one.failed.get(name, np.False_) & ~cut
+    imu, failed = one.recording.sensor(name), one.failed.get(name, np.False_)
+    held = held_samples(one.recording.gyroscope(name), imu.acc_mps2) & failed & ~cut
     if not held.any():
         return []
     found = fault_of(
@@ -527,7 +536,8 @@ def not_told(
     """Warnings of an estimate that no fault says already.
 
     A warning of a gyroscope at the end of its range, or replaced by the others, is left out where
-    such a fault of that sensor is told; that wheels and frame disagree, where a fault explains it.
+    such a fault of that sensor is told, as is that of an offset that no rest shows; that wheels and
+    frame disagree, where a fault explains it.
     One more warning says of a short drive that its sensors were not compared.
 
     Parameters
@@ -561,8 +571,11 @@ def not_told(
                 recording.source,
             )
         )
-    left = [sentence for sentence in drive.warnings if sentence not in known]
-    return left + _too_short(recording)
+    of_chair = [name for name in CHAIR if name in recording.sensors]
+    unknown = set(offset_warnings(recording, drive.offsets, of_chair)) & set(drive.warnings)
+    others = offsets_not_told(recording, drive.offsets, of_chair, faults) if unknown else ()
+    left = [sentence for sentence in drive.warnings if sentence not in known | unknown]
+    return [*others, *left, *_too_short(recording)]
 
 
 def _too_short(recording: Recording) -> list[str]:

@@ -15,7 +15,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.wheelchair.contradictions import (
     Gain,
-    Witnesses,
+    SharedMotion,
     gain_of,
     steady_direction,
     tilt_of,
@@ -54,12 +54,12 @@ ALIKE, APART = 0.95, 0.8
 :data:`LEAST_FLIP`, set by hand on simulated courts that the study of faults does not use."""
 
 
-def taken_for_a_wheel(w: Witnesses) -> Iterator[Fault]:
+def taken_for_a_wheel(w: SharedMotion) -> Iterator[Fault]:
     """A sensor called the frame's in whose axes gravity goes round.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -88,12 +88,12 @@ def taken_for_a_wheel(w: Witnesses) -> Iterator[Fault]:
     )  # fmt: skip
 
 
-def tilted(w: Witnesses) -> Iterator[Fault]:
+def tilted(w: SharedMotion) -> Iterator[Fault]:
     """A frame whose up in the drive is not that of the static trial.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -117,12 +117,12 @@ def tilted(w: Witnesses) -> Iterator[Fault]:
     )  # fmt: skip
 
 
-def other_signs(w: Witnesses) -> Iterator[Fault]:
+def other_signs(w: SharedMotion) -> Iterator[Fault]:
     """Names and signs, by three yaw rates: of the frame, of gravity, of the wheels' speeds.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -167,7 +167,7 @@ def _sign(first: FloatArray, second: FloatArray, rate_hz: float) -> int:
     return 1 if found[0] > found[1] else -1
 
 
-def _fitting_signs(w: Witnesses) -> tuple[float, ...] | None:
+def _fitting_signs(w: SharedMotion) -> tuple[float, ...] | None:
     """Signs of the frame's axes with which its yaw rate fits; None if the stated ones do."""
     assert w.by_gravity is not None
     speeds = w.by_speeds
@@ -190,7 +190,7 @@ def _fitting_signs(w: Witnesses) -> tuple[float, ...] | None:
     return best if best is not None and min(best) < 0 else None
 
 
-def wrong_scale_or_offset(w: Witnesses) -> Iterator[Fault]:
+def wrong_scale_or_offset(w: SharedMotion) -> Iterator[Fault]:
     """A frame's gyroscope that reads too much, or a constant that no rest shows.
 
     The scale is known by the camber from the wheels' own yaw rates, and by the track from their
@@ -198,7 +198,7 @@ def wrong_scale_or_offset(w: Witnesses) -> Iterator[Fault]:
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -230,12 +230,12 @@ def wrong_scale_or_offset(w: Witnesses) -> Iterator[Fault]:
         yield offset_fault(w, "frame", up, offset, offset_sd, _wheels(w))
 
 
-def _wheels(w: Witnesses) -> str:
-    """Wheels that are witnesses, for a sentence."""
+def _wheels(w: SharedMotion) -> str:
+    """Wheels that others are judged by, for a sentence."""
     return "both wheels" if len(w.sides) == 2 else f"the {w.sides[0]} wheel"
 
 
-def _against_wheels(w: Witnesses) -> Gain | None:
+def _against_wheels(w: SharedMotion) -> Gain | None:
     """Gain and constant of the frame's yaw rate; what the two wheels differ by counts as error."""
     found = [gain_of(w.yaw[f"{side}_wheel"], w.yaw["frame"], w.rate_hz) for side in w.sides]
     known = [gain for gain in found if gain is not None]
@@ -251,34 +251,42 @@ def _against_wheels(w: Witnesses) -> Gain | None:
     )
 
 
-def _scale(w: Witnesses, by_gravity: Gain) -> tuple[float, float]:
-    """Scale error of the frame's gyroscope and its standard deviation."""
+def _scale(w: SharedMotion, by_gravity: Gain) -> tuple[float, float]:
+    """Scale error of the frame's gyroscope and its standard deviation.
+
+    Gravity in the wheels knows it but for the camber, their speeds but for the track: the mean of
+    both by their variances, to which the scale that sound gyroscopes differ by is added.
+    """
     errors, camber = w.errors, w.geometry.camber_rad
-    sd = float(
-        np.sqrt(
+    error, variance = (
+        by_gravity.gain - 1,
+        (
             by_gravity.gain_sd**2
             + (np.tan(camber) * errors.camber_sd_rad) ** 2
-            + errors.scale_sd**2 * (1 + 1 / (2 * len(w.sides)))
-        )
+            + errors.scale_sd**2 / (2 * len(w.sides))
+        ),
     )
-    error = by_gravity.gain - 1
     speeds = w.by_speeds
     # What slips stands on the left: far off, it would turn the line.
     other = None if speeds is None else gain_of(w.yaw["frame"], speeds, w.rate_hz)
     if other is not None and other.correlation > ALIKE:
         track = errors.track_sd_m / w.geometry.wheel_centre_distance_m
-        apart = abs(1 / other.gain - by_gravity.gain) / by_gravity.gain
-        if apart > 3 * np.hypot(track, errors.radius_sd):
-            return 0.0, sd  # camber or track is wrong, which is another question
-    return error, sd
+        wheels = float(np.hypot(track, errors.radius_sd))
+        if abs(1 / other.gain - by_gravity.gain) / by_gravity.gain > 3 * wheels:
+            # Camber or track is wrong, which is another question.
+            return 0.0, float(np.sqrt(variance + errors.scale_sd**2))
+        weight = variance / (variance + wheels**2 + errors.scale_sd**2 + other.gain_sd**2)
+        error += weight * (1 / other.gain - 1 - error)
+        variance *= 1 - weight
+    return float(error), float(np.sqrt(variance + errors.scale_sd**2))
 
 
-def at_odds(w: Witnesses) -> Iterator[Fault]:
+def at_odds(w: SharedMotion) -> Iterator[Fault]:
     """Wheels and frame that disagree for longer than any wheel slips.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------

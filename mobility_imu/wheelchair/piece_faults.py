@@ -19,7 +19,7 @@ from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.runs import runs_of
-from mobility_imu.wheelchair.contradictions import Witnesses, gain_of
+from mobility_imu.wheelchair.contradictions import SharedMotion, gain_of
 from mobility_imu.wheelchair.fits import pieces_of
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.recovery import replaced
@@ -61,7 +61,7 @@ TELLING_RADPS = float(np.deg2rad(8.0))
 """Change of yaw rate in a piece in which a lag and a factor both would show."""
 
 
-def at_odds_in_part(w: Witnesses) -> Iterator[Fault]:
+def at_odds_in_part(w: SharedMotion) -> Iterator[Fault]:
     """A sensor whose yaw rate leaves the two others' in some pieces of a drive.
 
     No fault is told where one lag, steady or drifting, and one factor of the whole drive explain
@@ -69,7 +69,7 @@ def at_odds_in_part(w: Witnesses) -> Iterator[Fault]:
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -90,12 +90,12 @@ def at_odds_in_part(w: Witnesses) -> Iterator[Fault]:
     yield from still_at_odds_in_part(w)
 
 
-def still_at_odds_in_part(w: Witnesses) -> Iterator[Fault]:
+def still_at_odds_in_part(w: SharedMotion) -> Iterator[Fault]:
     """The same, whatever would explain the whole of the drive.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -137,7 +137,7 @@ def still_at_odds_in_part(w: Witnesses) -> Iterator[Fault]:
             yield _told(w, name, flags, float(np.rad2deg(size)))
 
 
-def _told(w: Witnesses, name: str, flags: NDArray[np.bool_], size: float) -> Fault:
+def _told(w: SharedMotion, name: str, flags: NDArray[np.bool_], size: float) -> Fault:
     until = float(w.recording.time_s[int(np.flatnonzero(flags)[-1])])
     return fault_of(
         w.recording, "at odds", name, flags,

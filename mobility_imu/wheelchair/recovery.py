@@ -21,7 +21,7 @@ from mobility_imu.offsets import (
     rest_offsets,
     without_offsets,
 )
-from mobility_imu.quality import LARGEST_OFFSET_RADPS, resolution_of, same_as_before
+from mobility_imu.quality import LARGEST_OFFSET_RADPS, Resolution, resolution_of, same_as_before
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
@@ -61,8 +61,11 @@ Set by hand, like the limits without a reason below, on simulated courts that th
 does not use."""
 SHORTEST_HELD = 4
 """Fewer equal readings in a row are not looked at."""
-LARGEST_CHANCE, LEAST_CHANCE = 1e-4, 0.02
-"""Of a repetition in a recording by noise alone; three axes repeat together at least so often."""
+LARGEST_CHANCE, LEAST_CHANCE = 1e-3, 0.02
+"""Of a repetition by noise alone (three sensors then alarm in 0.3 % of sound drives at most); three
+axes repeat together at least so often."""
+JUMP_PART = 0.1
+"""A repetition that ends in a change as large as so few are hid a motion; by chance, so few do."""
 FEWEST_CHANGES = 50
 """Of fewer changes a correlation says little."""
 QUIETEST = 0.2
@@ -109,7 +112,7 @@ def failed_gyroscopes(
     }
     frozen = {
         name: frozen_gyroscope(recording.sensor(name).acc_mps2, recording.gyroscope(name), rate)
-        | held_samples(recording.gyroscope(name))
+        | held_samples(recording.gyroscope(name), recording.sensor(name).acc_mps2)
         for name in sensors
     }
     if not any(flags.any() for flags in frozen.values()):
@@ -133,12 +136,13 @@ def _none_says_anything(recording: Recording, sensors: Sequence[str]) -> bool:
     )
 
 
-def held_samples(gyr_radps: FloatArray) -> Flags:
-    """Repetitions of a gyroscope that are too long for chance, with the noise that it has.
+def held_samples(gyr_radps: FloatArray, acc_mps2: FloatArray | None = None) -> Flags:
+    """Repetitions of a gyroscope, or of both halves, that are too long for chance by its noise.
 
     Parameters
     ----------
     gyr_radps : (n, 3) array, rad/s
+    acc_mps2 : (n, 3) array, m/s², of the same sensor; None if it is not to be looked at
 
     Returns
     -------
@@ -154,11 +158,24 @@ def held_samples(gyr_radps: FloatArray) -> Flags:
     found = resolution_of(gyr_radps, skip=held)
     if not found.pairs or not _is_noisy(gyr_radps[~held]):
         return np.zeros_like(held)
-    chance = float(np.clip(found.repeats.prod(), LEAST_CHANCE, 1.0))
+    alone = _chance_of(found)
+    beside = np.zeros_like(held) if acc_mps2 is None else same_as_before(acc_mps2)
+    # Packets that are delivered twice repeat both halves as well: never below the least.
+    both = 1.0 if acc_mps2 is None else _chance_of(resolution_of(acc_mps2, skip=held))
+    together = max(alone * both, LEAST_CHANCE)
+    step = np.append(np.linalg.norm(np.diff(gyr_radps, axis=0), axis=1), 0.0)
+    jumps = step > np.quantile(step, 1 - JUMP_PART)
     for run in runs:
-        if len(gyr_radps) * chance ** (run.stop - run.start) > LARGEST_CHANCE:
+        chance = together if beside[run].all() else alone
+        most = LARGEST_CHANCE / JUMP_PART if jumps[run.stop - 1] else LARGEST_CHANCE
+        if len(gyr_radps) * chance ** (run.stop - run.start) > most:
             held[run.start - 1 : run.stop] = False
     return held
+
+
+def _chance_of(found: Resolution) -> float:
+    """Chance that noise repeats a reading on all axes; 1 where nothing shows it."""
+    return float(np.clip(found.repeats.prod(), LEAST_CHANCE, 1.0)) if found.pairs else 1.0
 
 
 def _is_noisy(gyr: FloatArray) -> bool:

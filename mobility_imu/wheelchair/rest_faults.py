@@ -6,7 +6,8 @@ changes within a drive is taken off rightly in one part of it only.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -15,12 +16,20 @@ import numpy as np
 from mobility_imu.faults import Fault, without_offset
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
-from mobility_imu.offsets import LARGE_OFFSET_RADPS, LARGE_SD_RADPS, common_rest, rest_blocks
+from mobility_imu.offsets import (
+    LARGE_OFFSET_RADPS,
+    LARGE_SD_RADPS,
+    GyroscopeOffset,
+    common_rest,
+    offset_warnings,
+    rest_blocks,
+)
 from mobility_imu.quality import LARGEST_OFFSET_RADPS
-from mobility_imu.wheelchair.contradictions import Witnesses
+from mobility_imu.recording import Recording
+from mobility_imu.wheelchair.contradictions import SharedMotion
 from mobility_imu.wheelchair.recovery import tied_rate
 
-__all__ = ["FEWEST_BLOCKS", "changes", "changing_offsets", "large_offsets", "rests"]
+__all__ = ["FEWEST_BLOCKS", "changing_offsets", "large_offsets", "offsets_not_told", "rests"]
 
 FEWEST_BLOCKS = 4
 """Half seconds of rest on each side of a change: a motion that passes for a rest is shorter."""
@@ -32,11 +41,11 @@ SURE = 4.0
 parts that follow, and not swept; none by the courts of the study of faults."""
 LONG_PART = 0.5
 """Part of a drive over which rests have to lie to show a drift."""
-WITNESS_PART = 0.5
+ALONG_PART = 0.5
 """Part of a step along the axis that the others know, with which they show when it came."""
 
 
-def large_offsets(w: Witnesses) -> Iterator[Fault]:
+def large_offsets(w: SharedMotion) -> Iterator[Fault]:
     """Gyroscopes that read more at rest than any sound one, while another one reads little.
 
     A steady turn, which may pass for a rest, is in the readings of all three; in a wheel that rolls
@@ -44,7 +53,7 @@ def large_offsets(w: Witnesses) -> Iterator[Fault]:
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -72,12 +81,34 @@ def large_offsets(w: Witnesses) -> Iterator[Fault]:
         )  # fmt: skip
 
 
-def rests(w: Witnesses) -> dict[str, tuple[FloatArray, FloatArray]]:
+def offsets_not_told(
+    recording: Recording,
+    offsets: Mapping[str, GyroscopeOffset],
+    sensors: Collection[str],
+    faults: Iterable[Fault],
+) -> tuple[str, ...]:
+    """Sentences on offsets, without those that are unknown because of a fault that is told.
+
+    Parameters
+    ----------
+    recording, offsets, sensors : as for :func:`~mobility_imu.offsets.offset_warnings`
+    faults : Fault, of the same recording
+
+    Returns
+    -------
+    tuple of str
+    """
+    told = {fault.sensor.removesuffix("_gyr") for fault in faults if fault.code == "offset"}
+    left = [name for name in sensors if name in offsets or name not in told]
+    return offset_warnings(recording, offsets, left)
+
+
+def rests(w: SharedMotion) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Half seconds in which each gyroscope rests, whatever it reads then.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Returns
     -------
@@ -135,14 +166,14 @@ def _scatter(left: FloatArray) -> float:
     return float(np.mean(np.linalg.norm(left, axis=1)))
 
 
-def changing_offsets(w: Witnesses) -> Iterator[Fault]:
+def changing_offsets(w: SharedMotion) -> Iterator[Fault]:
     """A gyroscope whose rests disagree: its offset steps or drifts within the drive.
 
     A slow motion that passes for a rest moves two sensors or more; one sensor alone is at fault.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -178,30 +209,16 @@ def changing_offsets(w: Witnesses) -> Iterator[Fault]:
                 f"has an offset that changes by {size:.1f} deg/s at about {times[0]:.0f} s, "
                 f"between the rests at {times[1]:.1f} and {times[2]:.1f} s"
             )
-        yield fault_of(
+        told = fault_of(
             w.recording, "offset", f"{name}_gyr", flags,
             f"{what}: one constant is taken off, which is wrong there; leave these times out, or "
             "record again", size=size, unit="deg/s",
             repair=partial(without_offset, sensor=name, offset_radps=offset - taken),
         )  # fmt: skip
+        yield replace(told, changes=True)
 
 
-def changes(fault: Fault) -> bool:
-    """Whether a fault is an offset that changes within the drive.
-
-    Parameters
-    ----------
-    fault : Fault
-
-    Returns
-    -------
-    bool
-    """
-    taken = fault.repair.keywords if isinstance(fault.repair, partial) else {}
-    return fault.code == "offset" and np.ndim(taken.get("offset_radps", 0.0)) > 1
-
-
-def _time_of(w: Witnesses, name: str, change: _Change, taken: FloatArray) -> int:
+def _time_of(w: SharedMotion, name: str, change: _Change, taken: FloatArray) -> int:
     """Sample of a step, by what the others say of the sensor's rate; else the middle."""
     assert change.step is not None
     first, last = (int(sample) for sample in change.step)
@@ -211,7 +228,7 @@ def _time_of(w: Witnesses, name: str, change: _Change, taken: FloatArray) -> int
     if name != "frame":
         main = w.mount.rotation_imu_to_wheel("left" if name == "left_wheel" else "right")
     step = float(main[2] @ change.by_radps)
-    if len(along) < 3 or abs(step) < WITNESS_PART * np.linalg.norm(change.by_radps):
+    if len(along) < 3 or abs(step) < ALONG_PART * np.linalg.norm(change.by_radps):
         return middle
     others = {one: rate for one, rate in along.items() if one != name}
     apart = (along[name] - tied_rate(others, name, w.geometry))[first:last]

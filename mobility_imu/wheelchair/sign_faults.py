@@ -12,7 +12,7 @@ from mobility_imu.faults import Fault, all_repaired, multiplied
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
-from mobility_imu.wheelchair.contradictions import Witnesses
+from mobility_imu.wheelchair.contradictions import SharedMotion
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.mount import WheelchairMount
@@ -37,12 +37,12 @@ def correlation_of(first: FloatArray, second: FloatArray, rate_hz: float) -> flo
     return 0.0 if lag is None else lag.correlation
 
 
-def reads_gravity(w: Witnesses, name: str) -> bool:
+def reads_gravity(w: SharedMotion, name: str) -> bool:
     """Whether a wheel's own yaw rate is the others', turned round, and its spin is right.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
     name : sensor of a wheel
     """
     others = [n for n in w.yaw if n != name]

@@ -23,7 +23,7 @@ from mobility_imu.faults import (
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
-from mobility_imu.wheelchair.contradictions import Witnesses, axle_of, gain_of
+from mobility_imu.wheelchair.contradictions import SharedMotion, axle_of, gain_of
 from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import SIDES, Side
 from mobility_imu.wheelchair.lags import Lag, lag_between
@@ -77,12 +77,12 @@ FEWEST_PIECES = 10
 """Of fewer, the scatter says little: chance makes it ten times too small."""
 
 
-def other_axles(w: Witnesses) -> Iterator[Fault]:
+def other_axles(w: SharedMotion) -> Iterator[Fault]:
     """A wheel's sensor that spins about another axle than in the straight-line trial.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -127,7 +127,7 @@ def other_axles(w: Witnesses) -> Iterator[Fault]:
         )  # fmt: skip
 
 
-def _way_round(w: Witnesses, side: Side, axle: FloatArray, known: FloatArray) -> float:
+def _way_round(w: SharedMotion, side: Side, axle: FloatArray, known: FloatArray) -> float:
     """Sign of an axle with which it spins as the other sensors expect; nearest without them."""
     name, gyr = f"{side}_wheel", w.at_rest.gyroscope(f"{side}_wheel")
     if len(w.sides) == 2 and "frame" not in w.mute:
@@ -156,7 +156,7 @@ def _exchanged(recording: Recording, *, in_trial: bool) -> Fault:
     return fault_of(recording, "exchanged", both, whole, what, repair=repair)
 
 
-def exchanged_wheels(w: Witnesses) -> Fault:
+def exchanged_wheels(w: SharedMotion) -> Fault:
     """Fault of wheels whose names are exchanged.
 
     Where both sensors have the same axle, only the trial's names may be wrong; where each has its
@@ -164,7 +164,7 @@ def exchanged_wheels(w: Witnesses) -> Fault:
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Returns
     -------
@@ -175,12 +175,12 @@ def exchanged_wheels(w: Witnesses) -> Fault:
     return _exchanged(w.recording, in_trial=alike)
 
 
-def other_spins(w: Witnesses) -> Iterator[Fault]:
+def other_spins(w: SharedMotion) -> Iterator[Fault]:
     """A wheel's gyroscope some of whose axes have the wrong sign.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -211,7 +211,7 @@ def other_spins(w: Witnesses) -> Iterator[Fault]:
         )  # fmt: skip
 
 
-def _signs(w: Witnesses, side: Side) -> tuple[float, ...] | None:
+def _signs(w: SharedMotion, side: Side) -> tuple[float, ...] | None:
     """Signs of a wheel's axes with which its own yaw rate goes with the two other sensors'.
 
     An axis across the axle with the wrong sign leaves the spin nearly as it is, and makes nonsense
@@ -235,14 +235,14 @@ def _signs(w: Witnesses, side: Side) -> tuple[float, ...] | None:
     return best if best is not None and min(best) < 0 else None
 
 
-def late(w: Witnesses) -> Iterator[Fault]:
+def late(w: SharedMotion) -> Iterator[Fault]:
     """A sensor that comes later or earlier than the others.
 
     Of three sensors two agree; of two, which one is late cannot be told.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -285,7 +285,7 @@ def late(w: Witnesses) -> Iterator[Fault]:
         )  # fmt: skip
 
 
-def _drift_of(w: Witnesses, name: str, names: Sequence[str]) -> tuple[float, float] | None:
+def _drift_of(w: SharedMotion, name: str, names: Sequence[str]) -> tuple[float, float] | None:
     """Lags of a sensor at both ends, if it drifts against two others that do not drift."""
     others = [one for one in names if one != name]
     found = [drift_between(w, name, other) for other in others]
@@ -294,12 +294,12 @@ def _drift_of(w: Witnesses, name: str, names: Sequence[str]) -> tuple[float, flo
     return found[0]
 
 
-def drift_between(w: Witnesses, name: str, other: str) -> tuple[float, float] | None:
+def drift_between(w: SharedMotion, name: str, other: str) -> tuple[float, float] | None:
     """Lags of a sensor at the beginning and the end, where those of both halves surely differ.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
     name, other : sensors
 
     Returns
@@ -353,12 +353,12 @@ def _times_after(
     return times, sds
 
 
-def wrong_scales(w: Witnesses) -> Iterator[Fault]:
+def wrong_scales(w: SharedMotion) -> Iterator[Fault]:
     """A wheel's gyroscope that reads too much or too little, by the turns that gravity counts.
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -396,7 +396,7 @@ def _alike(wrong: dict[str, tuple[float, float]]) -> bool:
     return abs(left - right) < apart and min(abs(left), abs(right)) > LEAST_CLOCK
 
 
-def _frame_speaks_against_clock(w: Witnesses, wrong: Mapping[str, tuple[float, float]]) -> bool:
+def _frame_speaks_against_clock(w: SharedMotion, wrong: Mapping[str, tuple[float, float]]) -> bool:
     """Whether the frame's gyroscope fits the wheels' only once their scale is mended.
 
     Another clock leaves all gyroscopes alike: the frame then fits the wheels as they read.
@@ -440,7 +440,7 @@ def retimed(recording: Recording, factor: float) -> Recording:
     return Recording(time_s, recording.sensors, source=recording.source)
 
 
-def wrong_offsets(w: Witnesses) -> Iterator[Fault]:
+def wrong_offsets(w: SharedMotion) -> Iterator[Fault]:
     """Offsets of the wheels' gyroscopes that no rest of the drive shows.
 
     With r_R Om_R - r_L Om_L = d * yaw + c * V + o, the constant o is what the wheels' offsets
@@ -449,7 +449,7 @@ def wrong_offsets(w: Witnesses) -> Iterator[Fault]:
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
 
     Yields
     ------
@@ -480,7 +480,7 @@ def wrong_offsets(w: Witnesses) -> Iterator[Fault]:
     yield offset_fault(w, name, axle, by_side[side], sd_radps, "the others")
 
 
-def _apart(w: Witnesses) -> tuple[float, float] | None:
+def _apart(w: SharedMotion) -> tuple[float, float] | None:
     """Constant difference in m/s of the wheels' speeds that neither turn nor radii explain."""
     if w.by_gravity is None:
         return None
@@ -506,7 +506,7 @@ def _apart(w: Witnesses) -> tuple[float, float] | None:
 
 
 def offset_fault(
-    w: Witnesses,
+    w: SharedMotion,
     name: str,
     axis: FloatArray,
     offset_radps: float,
@@ -517,7 +517,7 @@ def offset_fault(
 
     Parameters
     ----------
-    w : Witnesses
+    w : SharedMotion
     name : sensor
     axis : (3,) unit array, in the sensor's axes: a wheel's axle, positive forward, or up
     offset_radps, sd_radps : rad/s, along the axis, and its standard deviation
@@ -538,7 +538,7 @@ def offset_fault(
     )  # fmt: skip
 
 
-def _rest_shows(w: Witnesses, name: str) -> str:
+def _rest_shows(w: SharedMotion, name: str) -> str:
     """What the rests of a drive say of such an offset, and what to do."""
     if name in w.own_offsets:
         return "beyond what its rests show; check the sensor, or record again"

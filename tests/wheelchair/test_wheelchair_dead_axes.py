@@ -39,7 +39,7 @@ def test_a_dead_axis_of_the_frames_accelerometer_hides_no_fault_of_its_gyroscope
 
 @pytest.mark.parametrize("half", ["acc", "gyr"])
 @pytest.mark.parametrize("sensor", SENSORS[1:])
-def test_a_wheel_with_a_dead_axis_is_no_witness(sensor, half):
+def test_by_a_wheel_with_a_dead_axis_nothing_is_judged(sensor, half):
     """Its yaw rate comes from both halves."""
     for axis in range(3):
         mine = ("dead axis", f"{sensor}_{half}_{'xyz'[axis]}")
@@ -87,3 +87,15 @@ def test_an_accelerometer_that_is_frozen_is_no_sensor_at_odds(sensor, part):
     trial = drive().trial
     faulty = Recording(trial.time_s, {**trial.sensors, sensor: new}, source="frozen")
     assert told(faulty) == {("frozen", f"{sensor}_acc")}
+
+
+def test_a_line_through_a_long_loss_that_is_no_recording_ends_no_look():
+    """Between readings half a turn apart it passes zero, as if gravity were taken out."""
+    trial, lost = drive().trial, slice(260, 4722)
+    acc = np.array(trial.sensor("right_wheel").acc_mps2)
+    acc[lost] = acc[lost.start]
+    new = Imu(acc, trial.gyroscope("right_wheel"))
+    faulty = Recording(trial.time_s, {**trial.sensors, "right_wheel": new}, source="frozen")
+    found = look(inject.late(faulty, "left_wheel", 0.3))
+    assert ("frozen", "right_wheel_acc") in {(fault.code, fault.sensor) for fault in found}
+    assert of_code(found, "lag") and told(faulty) == {("frozen", "right_wheel_acc")}

@@ -226,7 +226,7 @@ def test_a_slow_clock_is_told_alone(rate_hz):
 
 
 class Lags:
-    """Witnesses that know lags only; yaw rates that do not go together show no drift."""
+    """Sensors that know lags only; yaw rates that do not go together show no drift."""
 
     def __init__(self, lags, recording):
         self.found, self.recording, self.rate_hz = lags, recording, recording.sampling_rate_hz

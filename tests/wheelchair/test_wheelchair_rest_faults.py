@@ -9,10 +9,9 @@ from faulty import SENSORS, calibration, drive, look, of_code, slow
 
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation import faults as inject
-from mobility_imu.wheelchair import check_geometry, estimate_velocity
+from mobility_imu.wheelchair import VelocitySettings, check_geometry, estimate_velocity
 from mobility_imu.wheelchair.check import NO_VERDICT_WHY
-from mobility_imu.wheelchair.faults import with_valid
-from mobility_imu.wheelchair.rest_faults import changes
+from mobility_imu.wheelchair.faults import not_told, with_valid
 
 
 def changed(sensor, series_degps):
@@ -82,8 +81,8 @@ def test_the_geometry_is_not_judged_with_an_offset_that_changes(kind, sensor):
     assert not found.judged and not found.fits and np.isnan(found.track_m)
     # All of its samples may be touched: that it changes is another thing.
     everywhere = replace(told, flags=np.ones(len(faulty), np.bool_))
-    assert changes(told) and changes(everywhere)
-    assert not changes(of_code(look(with_offsets(["frame"], 20.0)), "offset")[0])
+    assert told.changes and everywhere.changes
+    assert not of_code(look(with_offsets(["frame"], 20.0)), "offset")[0].changes
 
 
 @pytest.mark.parametrize("sensor", SENSORS)
@@ -137,3 +136,34 @@ def test_a_steady_turn_of_all_is_no_offset():
 def test_a_small_change_and_a_constant_are_no_fault():
     assert look(stepped("frame", 0.3, 0.5)[0]) == ()
     assert not of_code(look(changed("left_wheel", np.full(len(drive().trial), 3.0))), "offset")
+
+
+def without_rest(warnings):
+    return [one for one in warnings if "no second of rest" in one]
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_no_warning_says_that_a_chair_never_rests_whose_rest_shows_an_offset(sensor):
+    cal, chair = calibration(), drive().court.geometry
+    faulty = with_offsets([sensor], 20.0)
+    told, found = look(faulty), estimate_velocity(faulty, chair, cal.mount)
+    assert "while the chair stands" in of_code(told, "offset")[0].sentence
+    (said,) = without_rest(found.warnings)
+    assert f"known or taken off ({sensor})" in said
+    assert said in not_told(found, faulty, chair, cal.mount, ())
+    assert not without_rest(not_told(found, faulty, chair, cal.mount, told))
+    assert not without_rest(check_geometry(faulty, chair, cal.mount).warnings)
+
+
+def test_the_sensors_whose_offset_is_not_told_are_still_named():
+    trial, cal = drive(rests=False).trial, calibration(rests=False)
+    chair = drive(rests=False).court.geometry
+    found = estimate_velocity(trial, chair, cal.mount)
+    (fault,) = of_code(look(with_offsets(["frame"], 20.0)), "offset")
+    (said,) = without_rest(not_told(found, trial, chair, cal.mount, [fault]))
+    assert "known or taken off (left_wheel, right_wheel)" in said
+    (said,) = without_rest(not_told(found, trial, chair, cal.mount, ()))
+    assert "known or taken off (frame, left_wheel, right_wheel)" in said
+    printed = VelocitySettings(form="printed")
+    found = estimate_velocity(trial, chair, cal.mount, printed)
+    assert not without_rest(not_told(found, trial, chair, cal.mount, [fault]))
