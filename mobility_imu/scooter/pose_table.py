@@ -32,7 +32,7 @@ from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.scooter.pose_errors import ERRORS, by_errors, by_set_angles, set_covariance
 
-__all__ = ["Places", "step_of", "wrong_angles"]
+__all__ = ["Places", "Wrong", "step_of", "wrong_angles"]
 
 STOP_SD_RAD, HELD_SD_RAD = np.deg2rad([0.5, 0.2]).tolist()
 """Errors of a stop, half of its variance the same in all places and half new in each, for nothing
