@@ -64,6 +64,7 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "scooter/mended": ("test_scooter_faults", "test_scooter_forces"),
     "scooter/ride": ("test_scooter_fusion_parts", "test_scooter_forces", "test_scooter_told"),
     "scooter/mount": ("test_scooter_ride", "test_scooter_calibration"),
+    "scooter/pose_errors": ("test_scooter_pose_check", "test_scooter_pose_table"),
     "scooter/sensor_pair": ("test_scooter_faults", "test_scooter_contradictions"),
     "scooter/slips": ("test_scooter_forces",),
     "wheelchair/calibration": ("test_wheelchair_offsets",),
