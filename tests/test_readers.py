@@ -220,7 +220,7 @@ def test_packed_file_that_is_cut_or_not_packed(tmp_path, table):
     for k, content in enumerate((packed[:-20], packed[:40], b"time_s,", b"")):
         path = tmp_path / f"{k}.csv.gz"
         path.write_bytes(content)
-        with pytest.raises(InputError, match="is it complete|empty|no rows"):
+        with pytest.raises(InputError, match=r"is it complete|empty|no rows"):
             read_recording(path)
     broken = bytearray(packed)
     broken[len(packed) // 2] ^= 0xFF
