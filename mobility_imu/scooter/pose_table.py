@@ -15,7 +15,8 @@ What cannot be seen is what a turn of an IMU explains. By eq. 5 the lever reads
 Throttle angles that are all off by one angle are a turn of the lever's IMU about its axis x, and
 steering angles that are all off by one angle one of the body's about the shaft: both are undone in
 full, and the poses fit as well as right ones. A ride shows them: the steering at which the
-scooter does not turn, and the throttle while it stands, are zero (:func:`~mobility_imu.scooter.faults.find_faults`).
+scooter does not turn, and the throttle while it stands, are zero
+(:func:`~mobility_imu.scooter.faults.find_faults`).
 """
 
 from __future__ import annotations
