@@ -16,7 +16,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 RIGHT = {"color": "black", "linestyle": ":", "linewidth": 1.8, "label": "without the fault"}
-WRONG = {"color": COLOURS["vermilion"], "linestyle": "-", "linewidth": 1.2, "label": "with the fault"}
+WRONG = {
+    "color": COLOURS["vermilion"],
+    "linestyle": "-",
+    "linewidth": 1.2,
+    "label": "with the fault",
+}
 
 
 class Pair(NamedTuple):
