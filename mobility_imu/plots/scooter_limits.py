@@ -177,7 +177,7 @@ def plot_domain(geometry: ScooterGeometry, *, lock_rad: float) -> Figure:
 
 
 def plot_mirror(geometry: ScooterGeometry, *, lock_rad: float) -> Figure:
-    """Plot the wheel angle of the mirror solution against the true one, on several slopes.
+    """Plot the wheel angle of the mirror image against the true one, on several slopes.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def plot_mirror(geometry: ScooterGeometry, *, lock_rad: float) -> Figure:
         ax.plot(true_deg, true_deg, color="#6E6E6E", linestyle="-", linewidth=1)
         ax.text(-27, -21, "true", color="#555555", rotation=14)
         ax.set_xlabel("true steering, deg")
-        ax.set_ylabel("steering of the mirror solution, deg")
+        ax.set_ylabel("steering of the mirror image, deg")
         ax.set_ylim(-lock_deg - 2, 235)
         ax.legend(loc="upper right", ncols=2)
     return figure

@@ -53,7 +53,7 @@ def plot_largest(largest_deg: Mapping[str, FloatArray], limits_deg: tuple[float,
         ax.set_xlim(0, None)
         ax.set_ylim(0, None)
         ax.set_xlabel("steering: largest 90 % error of a course, deg")
-        ax.set_ylabel("throttle: the same, deg")
+        ax.set_ylabel("throttle: largest 90 % error, deg")
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 

@@ -165,7 +165,7 @@ def plot_stated(rows: Sequence[Numbers]) -> Figure:
         figure, axes = plt.subplots(1, 2, figsize=(8.8, 3.4), sharey=True, sharex=True)
         for ax, title, part in (
             (axes[0], "all errors taken for noise", "white_"),
-            (axes[1], "as it is", ""),
+            (axes[1], "our filter", ""),
         ):
             rms, sd = columns[f"{part}rms_deg"], columns[f"{part}sd_deg"]
             ax.barh(at, 1.5 * rms, left=rms / 2, height=0.62, color="#E3E3E3", label="½ to 2 × rms")
