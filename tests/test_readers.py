@@ -377,7 +377,8 @@ def test_xsens_rate_comes_from_the_file_or_from_the_caller(tmp_path):
     ):
         prefix = write_xsens(tmp_path, {s: xsens(recording, s, 0, comments) for s in SENSORS})
         assert read_recording(prefix).sampling_rate_hz == pytest.approx(rate)
-    prefix = write_xsens(tmp_path, {s: xsens(recording, s, 0, "") for s in SENSORS})
+    comments = "// General information:\n"
+    prefix = write_xsens(tmp_path, {s: xsens(recording, s, 0, comments) for s in SENSORS})
     with pytest.raises(InputError, match=r"states no sampling rate.*give it with --sampling-rate"):
         read_recording(prefix)
     assert read_recording(prefix, sampling_rate_hz=100).sampling_rate_hz == pytest.approx(100)

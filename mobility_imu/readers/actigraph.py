@@ -34,7 +34,7 @@ def is_actigraph(names: str) -> bool:
     -------
     bool
     """
-    return "Data File Created By ActiGraph" in names
+    return re.search("Data (Table )?File Created By ActiGraph", names) is not None
 
 
 def read_actigraph(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
@@ -61,7 +61,10 @@ def read_actigraph(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     lines = comma_separated(text).split("\n", HEAD_LINES)
     stated = re.search(r"\bat (\d+(?:\.\d+)?) Hz", lines[0])
     if len(lines) <= HEAD_LINES or stated is None:
-        raise InputError(f"{source}: an ActiGraph file states 'at ... Hz' and has ten head lines")
+        raise InputError(
+            f"{source}: expected ten head lines, the first with 'at ... Hz'; for a table of counts "
+            "per epoch: export the raw data from ActiLife"
+        )
     rate = check_rate(float(stated[1]), source)
     table = parse_numbers(
         lines[HEAD_LINES], separator=",", source=source, first_line=HEAD_LINES + 1,

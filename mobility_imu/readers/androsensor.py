@@ -12,8 +12,8 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.layout import comma_separated
-from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
+from mobility_imu.readers.layout import comma_separated, from_names
+from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream, factor
 from mobility_imu.readers.table import line_of
 from mobility_imu.readers.wording import listed, quoted
 
@@ -63,7 +63,7 @@ def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]
     import pandas as pd
 
     try:
-        table = pd.read_csv(io.StringIO(comma_separated(text)), index_col=False)
+        table = pd.read_csv(io.StringIO(comma_separated(from_names(text))), index_col=False)
     except (ValueError, pd.errors.ParserError) as error:
         raise InputError(f"{source}: cannot be read as a table ({quoted(str(error))})") from None
     if not len(table):
@@ -73,14 +73,26 @@ def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]
     wall = _seconds_of_day(_column(table, WALL, source), source, line)
     elapsed = _numbers(_column(table, ELAPSED, source), ELAPSED, source, line)
     elapsed *= _unit_of_elapsed(elapsed, wall, source)
-    vectors = []
-    for quantity, unit in (("ACCELEROMETER", "m/s²"), ("GYROSCOPE", "rad/s")):
-        names = [f"{quantity} {axis} ({unit})" for axis in "XYZ"]
-        vectors.append(
-            np.column_stack([_numbers(_column(table, n, source), n, source, line) for n in names])
-        )
+    acc = _vectors(table, "ACCELEROMETER", "acc", source, line)
+    turns = any(name.startswith("GYRO") for name in table.columns)  # some phones have none
+    gyr = _vectors(table, "GYROSCOPE", "gyr", source, line) if turns else None
     time_s = elapsed + np.median(wall - elapsed)
-    return (Stream(time_s, *vectors, source=source),)
+    return (Stream(time_s, acc, gyr, source=source),)
+
+
+def _vectors(
+    table: Any, sensor: str, quantity: str, source: str, line: Callable[[int], int]
+) -> FloatArray:
+    """Readings in m/s² or rad/s, by the unit in the names: ``(m/s²)``, also written ``(m/s^2)``."""
+    columns = []
+    for axis in "XYZ":
+        name = next((n for n in table.columns if n.startswith(f"{sensor} {axis} (")), None)
+        if name is None:
+            names = listed(list(table.columns))
+            raise InputError(f"{source}: no column {sensor} {axis} (it has: {names})")
+        unit = name.partition("(")[2].rstrip(") ")
+        columns.append(_numbers(table[name], name, source, line) * factor(quantity, unit, source))
+    return np.column_stack(columns)
 
 
 def _column(table: Any, name: str, source: str) -> Any:

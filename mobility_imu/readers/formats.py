@@ -56,7 +56,7 @@ FORMATS = (
     Format("LPMS", is_lpms, read_lpms),
     Format("x-io", is_xio, read_xio),
     Format("APDM", is_apdm, read_apdm),
-    Format("Shimmer Consensys", is_shimmer, read_shimmer),
+    Format("Shimmer", is_shimmer, read_shimmer),
     Format("Movesense", is_movesense, read_movesense),
     Format("ActiGraph", is_actigraph, read_actigraph),
     Format("Sensor Logger", is_sensor_logger, read_sensor_logger_file),

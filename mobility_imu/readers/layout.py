@@ -123,10 +123,10 @@ def split_row(row: str, separator: str) -> list[str]:
 
 
 def comma_separated(text: str) -> str:
-    """Text of a format that has commas, also where a spreadsheet saved it with semicolons.
+    """Text of a format that has commas, also where a spreadsheet saved it with semicolons or tabs.
 
-    A spreadsheet with decimal commas separates cells by semicolons; a line ends with as many as
-    the longest line needs.
+    A spreadsheet with decimal commas separates cells by semicolons, and any by tabs where it saves
+    text; a line ends with as many as the longest line needs.
 
     Parameters
     ----------
@@ -137,7 +137,28 @@ def comma_separated(text: str) -> str:
     str, with decimal points and commas between cells
     """
     first = _unquoted(text.lstrip().partition("\n")[0])
-    return text.replace(",", ".").replace(";", ",") if ";" in first and "," not in first else text
+    mark = next((mark for mark in ";\t" if mark in first), None)
+    return text if mark is None or "," in first else text.replace(",", ".").replace(mark, ",")
+
+
+def from_names(text: str) -> str:
+    """Text of a table from its names on, without empty lines and a ``sep=`` line before them.
+
+    Parameters
+    ----------
+    text : content of a file
+
+    Returns
+    -------
+    str
+    """
+    rest = text
+    while rest:
+        head, behind = _next_line(rest)
+        if head.strip(_NOTHING) and not _SEP_LINE.fullmatch(head):
+            return rest
+        rest = behind
+    return text
 
 
 def _empty_ends(rows: Sequence[Sequence[str]], count: int) -> int:

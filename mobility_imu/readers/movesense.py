@@ -1,14 +1,20 @@
-"""Movesense's JSON logs: blocks of samples, each with one time stamp in ms; m/s² and deg/s."""
+"""Movesense's JSON logs: blocks of samples, each with one time stamp in ms; m/s² and deg/s.
+
+The app writes ``{"Meas": {"IMU9": [block, ...]}}``; Movesense's converter of logs from the sensor's
+memory, sbem2json, writes ``{"Samples": [{"MeasIMU9": block}, ...]}``.
+"""
 
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
+from mobility_imu.readers.halves import Half, join_halves
 from mobility_imu.readers.json_samples import json_number
 from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
 from mobility_imu.readers.wording import listed
@@ -27,7 +33,8 @@ def is_movesense(text: str) -> bool:
     -------
     bool
     """
-    return text.lstrip().startswith("{") and '"Meas"' in text[:200]
+    converted = re.match(r'\s*\{\s*"Samples"\s*:\s*\[', text) is not None and '{"Meas' in text
+    return converted or (text.lstrip().startswith("{") and '"Meas"' in text[:200])
 
 
 def read_movesense(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
@@ -52,23 +59,52 @@ def read_movesense(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     InputError
         If it is no such log, or a value is no number.
     """
+    acc_blocks, gyr_blocks = _lists(text, source)
+    acc, lengths = _vectors(acc_blocks, "ArrayAcc", source)
+    gyr, gyr_lengths = _vectors(gyr_blocks, "ArrayGyro", source)
+    time_s, said = _spread(acc_blocks, lengths, source)
+    if acc_blocks is not gyr_blocks:
+        gyr_time_s, of_gyr = _spread(gyr_blocks, gyr_lengths, source)
+        rates = Half(gyr_time_s, np.deg2rad(gyr), f"{source}: Gyro")
+        half = Half(time_s, acc, f"{source}: Acc")
+        return (join_halves(half, rates, source, warnings=tuple(dict.fromkeys(said + of_gyr))),)
+    if lengths != gyr_lengths:
+        raise InputError(f"{source}: blocks with more accelerations than rates, or fewer")
+    return (Stream(time_s, acc, np.deg2rad(gyr), source=source, warnings=said),)
+
+
+def _lists(text: str, source: str) -> tuple[list[Any], list[Any]]:
+    """Blocks with accelerations and blocks with rates; the same list where each has both."""
     try:
-        measured = json.loads(text)["Meas"]
-        kind = next(name for name in LISTS if name in measured)
-        blocks = measured[kind]
+        log = json.loads(text)
+        measured = log["Meas"] if "Meas" in log else _by_kind(log["Samples"])
+        kind = next((name for name in LISTS if name in measured), None)
+        found = (measured[kind or "Acc"], measured[kind or "Gyro"])
     except (ValueError, RecursionError) as error:
         raise InputError(f"{source}: no JSON ({error}); is the file complete?") from None
-    except (KeyError, TypeError, StopIteration):
+    except (KeyError, TypeError, AttributeError):
         raise InputError(
             f"{source}: no list {listed(LISTS)} under Meas; record acceleration and rate together"
         ) from None
-    if not isinstance(blocks, list) or len(blocks) < 2:
+    if not all(isinstance(blocks, list) and len(blocks) > 1 for blocks in found):
         raise InputError(f"{source}: fewer than two blocks of samples")
+    return found
+
+
+def _by_kind(samples: list[dict[str, Any]]) -> dict[str, list[Any]]:
+    """Blocks of a converted log, by what they hold."""
+    measured: dict[str, list[Any]] = {}
+    for sample in samples:
+        for name, block in sample.items():
+            measured.setdefault(name.removeprefix("Meas"), []).append(block)
+    return measured
+
+
+def _spread(
+    blocks: list[Any], lengths: list[int], source: str
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """Times of the samples of blocks, and a warning where the stamps are not even."""
     stamps = _stamps(blocks, source)
-    acc, lengths = _vectors(blocks, "ArrayAcc", source)
-    gyr, gyr_lengths = _vectors(blocks, "ArrayGyro", source)
-    if lengths != gyr_lengths:
-        raise InputError(f"{source}: blocks with more accelerations than rates, or fewer")
     usual = float(np.median(np.diff(stamps) / np.array(lengths[:-1])))
     time_s = np.concatenate(
         [stamp + usual * np.arange(n) for stamp, n in zip(stamps, lengths, strict=True)]
@@ -76,13 +112,10 @@ def read_movesense(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     # A fitted line has no jitter of the stamps' whole milliseconds; losses stay visible as steps.
     first = np.r_[0, np.cumsum(lengths)[:-1]]
     slope, start = np.polyfit(first, stamps, 1)
-    even = start + slope * np.arange(len(acc))
-    said: tuple[str, ...] = ()
+    even = np.asarray(start + slope * np.arange(len(time_s)))
     if np.abs(time_s - even).max() < 2 * usual + 2e-3:
-        time_s = even
-    else:
-        said = (f"{source}: the stamps of the blocks are not even; samples may be missing",)
-    return (Stream(time_s, acc, np.deg2rad(gyr), source=source, warnings=said),)
+        return even, ()
+    return time_s, (f"{source}: the stamps of the blocks are not even; samples may be missing",)
 
 
 def _stamps(blocks: list[Any], source: str) -> FloatArray:

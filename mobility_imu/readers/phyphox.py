@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from itertools import pairwise
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from mobility_imu.readers.layout import find_layout, split_row
 from mobility_imu.readers.quantities import find_triple, vectors
 from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import parse_numbers
+from mobility_imu.readers.wording import listed
 
 TIME = "Time (s)"
 ACCELERATION = r"(?:acceleration |accelerometer )?(?P<axis>[xyz]) \((?P<unit>m/s\^?2|m/s²|g)\)"
@@ -28,6 +30,10 @@ LINEAR = r"linear acceleration (?P<axis>[xyz]).*"
 EVENTS = "meta/time"
 """Name of the file of starts and pauses."""
 EXPERIMENT_TIME, SYSTEM_TIME = "experiment time", "system time"
+
+
+class WithoutGravity(InputError):
+    """A file whose accelerations have no gravity."""
 
 
 def is_phyphox(names: str) -> bool:
@@ -64,6 +70,17 @@ def read_phyphox_file(text: str, source: str, asked: Asked) -> tuple[Stream, ...
         If it holds no accelerations with gravity.
     """
     acc, gyr = _halves(text, source)
+    if acc is not None and re.search("linear", Path(source).name, re.IGNORECASE):
+        raise WithoutGravity(
+            f"{source}: accelerations without gravity, by its name; give the folder of the export, "
+            "with Accelerometer.csv and Gyroscope.csv"
+        )
+    if acc is None and gyr is None:
+        names = find_layout(text, source).names
+        raise InputError(
+            f"{source}: no accelerations and no rates under phyphox' names (it has: "
+            f"{listed(names)}); renamed columns are read by a map (mobility-imu read --map)"
+        )
     if acc is None:
         raise InputError(
             f"{source}: no accelerations; give the folder of the export, with Accelerometer.csv "
@@ -91,17 +108,25 @@ def read_phyphox(files: Mapping[str, str], source: str, asked: Asked) -> tuple[S
         If no file holds accelerations with gravity, or two do, or the length of a pause is not
         told.
     """
-    accelerations, rates = [], []
+    accelerations, rates, refused = [], [], []
     for name, text in files.items():
         if not is_phyphox(text.partition("\n")[0]) or re.search("linear", name, re.IGNORECASE):
             continue
-        acc, gyr = _halves(text, f"{source}/{name}.csv")
+        try:
+            acc, gyr = _halves(text, f"{source}/{name}.csv")
+        except WithoutGravity as error:  # another file may have it
+            refused.append(error)
+            continue
         accelerations += [] if acc is None else [acc]
         rates += [] if gyr is None else [gyr]
+    if refused and not accelerations:
+        raise refused[0]
     if len(accelerations) != 1 or len(rates) > 1:
+        found = [Path(half.source).name for half in (*accelerations, *rates)]
         raise InputError(
-            f"{source}: {len(accelerations)} files with accelerations and {len(rates)} with rates, "
-            "expected one of each; export the tabs of the accelerometer (with g) and the gyroscope"
+            f"{source}: {len(accelerations)} files with accelerations and {len(rates)} with rates"
+            f"{f' ({listed(found)})' if found else ''}, expected one of each; export the tabs of "
+            "the accelerometer (with g) and the gyroscope, into a folder of their own"
         )
     events = _events(files[EVENTS], f"{source}/{EVENTS}.csv") if EVENTS in files else Events()
     first, last = accelerations[0].time_s.min(), accelerations[0].time_s.max()
@@ -207,8 +232,9 @@ def _number(cell: str) -> float:
 
 def _halves(text: str, source: str) -> tuple[Half | None, Half | None]:
     names = find_layout(text, source).names
-    if find_triple([n for n in names if re.match("linear", n, re.I)], LINEAR, source):
-        raise InputError(
+    linear = find_triple([n for n in names if re.match("linear", n, re.I)], LINEAR, source)
+    if linear and not find_triple(names, ACCELERATION, source):
+        raise WithoutGravity(
             f"{source}: accelerations without gravity; record 'Acceleration (with g)' in phyphox"
         )
     found: list[Half | None] = []

@@ -3,11 +3,15 @@
 ``Accelerometer.csv`` holds no gravity. Android writes the specific force into
 ``TotalAcceleration.csv``; iOS reads it with the opposite sign, as the sum of ``Accelerometer.csv``
 and ``Gravity.csv``. With the setting "Standardise Units & Frames" (from version 1.29), iOS writes
-signs and units of Android; ``Metadata.csv`` states it as ``standardisation``.
+signs and units of Android; ``Metadata.csv`` states it as ``standardisation``. The
+export as JSON is one file with the rows of all quantities and of the metadata.
 """
 
 from __future__ import annotations
 
+import csv
+import io
+import json
 import re
 from collections.abc import Mapping
 
@@ -16,17 +20,27 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.readers.halves import Half, join_halves
+from mobility_imu.readers.json_samples import json_number
 from mobility_imu.readers.layout import find_layout, split_row
 from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
 ELAPSED, EPOCH_NS = "seconds_elapsed", "time"
+COLUMNS = (EPOCH_NS, ELAPSED, "z", "y", "x")
 STANDARDISED = "Standardise Units & Frames"
 EXACT_S = 0.01
 """To this the time of day and the seconds of all rows of a file agree, if no digits were lost: half
 a sample of a phone at 50 Hz. A spreadsheet that writes 1.71512E+18 ns loses minutes."""
-USED = ("TotalAcceleration", "Accelerometer", "AccelerometerUncalibrated", "Gravity", "Gyroscope")
+LONGEST_BEFORE_S = 10.0
+"""Readings from longer before the start are left over in the phone; the app writes them, as zeros,
+with their times of days ago. Its documentation knows some from just before the start, too."""
+RAW_RATES = "GyroscopeUncalibrated"
+"""Read where Gyroscope.csv is missing or empty."""
+USED = (
+    "TotalAcceleration", "Accelerometer", "AccelerometerUncalibrated", "Gravity", "Gyroscope",
+    RAW_RATES,
+)  # fmt: skip
 
 
 def is_sensor_logger(names: str) -> bool:
@@ -44,7 +58,7 @@ def is_sensor_logger(names: str) -> bool:
 
 
 def read_sensor_logger_file(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
-    """One file by itself: it does not say what it holds, so that its folder is asked for.
+    """The phone of an export as JSON. A table does not say what it holds: its folder is asked for.
 
     Parameters
     ----------
@@ -52,15 +66,60 @@ def read_sensor_logger_file(text: str, source: str, asked: Asked) -> tuple[Strea
     source : the file's name, for messages
     asked : not used
 
+    Returns
+    -------
+    tuple of one Stream
+
     Raises
     ------
     InputError
-        Always, with the way to go on.
+        For a table, with the way to go on; for JSON as :func:`read_sensor_logger`.
     """
+    if text.lstrip().startswith("["):
+        return read_sensor_logger(_tables(text, source), source, asked)
     raise InputError(
         f"{source}: one file of Sensor Logger, which does not say which quantity it holds; give "
         "the folder of the recording, with Metadata.csv beside it"
     )
+
+
+def _tables(text: str, source: str) -> dict[str, str]:
+    """Rows of an export as JSON, as the tables of an export as CSV."""
+    try:
+        records = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{source}: no JSON ({error}); is the file complete?") from None
+    rows: dict[str, list[list[object]]] = {}
+    for k, record in enumerate(records):
+        if not isinstance(record, dict):
+            raise InputError(f"{source}: record {k} is no object with sensor, time, x, y, z")
+        sensor = str(record.get("sensor"))
+        if sensor == "Metadata":
+            told = {name: value for name, value in record.items() if isinstance(value, str)}
+            rows[sensor] = [list(told), list(told.values())]
+        if sensor not in USED:
+            continue
+        for name in COLUMNS:
+            try:
+                json_number(record.get(name))
+            except ValueError:
+                raise InputError(
+                    f"{source}: record {k} ({sensor}): {name} is "
+                    f"{quoted(repr(record.get(name)))}, expected a number"
+                ) from None
+        rows.setdefault(sensor, [[*COLUMNS]]).append([record[name] for name in COLUMNS])
+    if "Metadata" not in rows:
+        raise InputError(
+            f"{source}: no record of Metadata, which states the platform: Android and iOS have "
+            "opposite signs; export the recording as .zip"
+        )
+    return {sensor: _as_csv(table) for sensor, table in rows.items()}
+
+
+def _as_csv(rows: list[list[object]]) -> str:
+    file = io.StringIO()
+    csv.writer(file, lineterminator="\n").writerows(rows)
+    return file.getvalue()
 
 
 def read_sensor_logger(files: Mapping[str, str], source: str, asked: Asked) -> tuple[Stream, ...]:
@@ -82,33 +141,53 @@ def read_sensor_logger(files: Mapping[str, str], source: str, asked: Asked) -> t
         If the platform is not stated, or no file holds accelerations with gravity.
     """
     platform, like_android = _platform(files, source)
-    halves = {name: _half(files[name], f"{source}/{name}.csv") for name in USED if name in files}
+    read = [n for n in USED if n in files and (n != RAW_RATES or "Gyroscope" not in files)]
+    halves, stale = {}, 0
+    for name in read:
+        half = _half(files[name], f"{source}/{name}.csv")
+        fresh = half.time_s >= -LONGEST_BEFORE_S
+        fresh |= not fresh.any()
+        stale += int((~fresh).sum())
+        halves[name] = half._replace(time_s=half.time_s[fresh], values=half.values[fresh])
+    acc = _with_gravity(halves, platform, like_android, source)
+    said: tuple[str, ...] = ()
+    if stale:
+        said = (f"{source}: {stale} reading(s) from long before the start left out",)
+    if not like_android:
+        said += (f"{source}: signs of the accelerations reversed (iOS reads -1 g upward)",)
+        acc = acc._replace(values=-acc.values)
+    elif platform == "ios":
+        said += (
+            f"{source}: signs of the accelerations kept: iOS with {STANDARDISED} has Android's",
+        )
+    rates = halves.get("Gyroscope")
+    if rates is None and RAW_RATES in halves:
+        rates = halves[RAW_RATES]
+        said += (f"{source}: rates of {RAW_RATES}.csv, whose offsets are not taken off",)
+    begun = next(_epoch(files[name]) for name in read)
+    return (join_halves(acc, rates, source, warnings=said, epoch_s=begun),)
+
+
+def _with_gravity(
+    halves: Mapping[str, Half], platform: str, like_android: bool, source: str
+) -> Half:
+    """Accelerations with gravity, in m/s², with the sign of the platform."""
+    summed = {"Accelerometer", "Gravity"} <= set(halves)
     if "TotalAcceleration" in halves:
-        acc = halves["TotalAcceleration"]
-    elif platform == "ios" and {"Accelerometer", "Gravity"} <= set(halves):
-        moved, gravity = halves["Accelerometer"], halves["Gravity"]
-        if not np.array_equal(moved.time_s, gravity.time_s):
-            raise InputError(f"{source}: Accelerometer.csv and Gravity.csv have different times")
-        acc = Half(moved.time_s, moved.values + gravity.values, moved.source)
-    elif "AccelerometerUncalibrated" in halves:
+        return halves["TotalAcceleration"]
+    if "AccelerometerUncalibrated" in halves and not (summed and platform == "ios"):
         acc = halves["AccelerometerUncalibrated"]
-        if not like_android:
-            acc = acc._replace(values=acc.values * STANDARD_GRAVITY_MPS2)
-    else:
+        scale = 1.0 if like_android else STANDARD_GRAVITY_MPS2
+        return acc._replace(values=acc.values * scale)
+    if not summed:
         raise InputError(
             f"{source}: no accelerations with gravity; record TotalAcceleration (Android), or "
             "Accelerometer and Gravity (iOS), in Sensor Logger"
         )
-    said: tuple[str, ...] = ()
-    if not like_android:
-        said = (f"{source}: signs of the accelerations reversed (iOS reads -1 g upward)",)
-        acc = acc._replace(values=-acc.values)
-    elif platform == "ios":
-        said = (
-            f"{source}: signs of the accelerations kept: iOS with {STANDARDISED} has Android's",
-        )
-    begun = next(_epoch(files[name]) for name in USED if name in files)
-    return (join_halves(acc, halves.get("Gyroscope"), source, warnings=said, epoch_s=begun),)
+    moved, gravity = halves["Accelerometer"], halves["Gravity"]
+    if not np.array_equal(moved.time_s, gravity.time_s):
+        raise InputError(f"{source}: Accelerometer.csv and Gravity.csv have different times")
+    return moved._replace(values=moved.values + gravity.values)
 
 
 def _platform(files: Mapping[str, str], source: str) -> tuple[str, bool]:
@@ -116,7 +195,7 @@ def _platform(files: Mapping[str, str], source: str) -> tuple[str, bool]:
     if "Metadata" not in files:
         raise InputError(
             f"{source}: no Metadata.csv, which states the platform: Android and iOS have opposite "
-            "signs"
+            "signs; add it, or write one of two lines, 'platform' and below it 'android' or 'ios'"
         )
     names, _, row = files["Metadata"].strip().partition("\n")
     mark = max(",;", key=names.count)

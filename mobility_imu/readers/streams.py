@@ -219,8 +219,9 @@ SPELLINGS = {
     "kmh-1": "km/h", "kmh": "km/h", "kph": "km/h", "kmph": "km/h",
 }  # fmt: skip
 _SIGNS = str.maketrans(
-    {"°": "deg", "º": "deg", "⁻": "-", "−": "-", "¹": "1", "²": "2"} | dict.fromkeys(".·⋅*^()")
+    {"°": "deg", "º": "deg", "⁻": "-", "−": "-", "¹": "1", "²": "2"} | dict.fromkeys(".·⋅*^()âÂ")
 )
+"""What signs of units stand for; Â is before some where UTF-8 was taken for another encoding."""
 
 
 def known_unit(quantity: str, text: str) -> str | None:

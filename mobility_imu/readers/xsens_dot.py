@@ -12,9 +12,12 @@ from mobility_imu.readers.layout import comma_separated
 from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import listed
+from mobility_imu.readers.xsens_mt import OF_MT_MANAGER
 
 ACCELEROMETER = [f"Acc_{axis}" for axis in "XYZ"]
 GYROSCOPE = [f"Gyr_{axis}" for axis in "XYZ"]
+TURNS = [f"dq_{axis}" for axis in "XYZ"]
+"""Vector part of the turn during one sample, with which a log of the PC software may be checked."""
 CLOCK_RANGE = 2**32
 """The sensor's clock counts microseconds in 32 bits and starts again at 0 after 71.6 minutes."""
 LARGEST_ACC_MPS2, LARGEST_GYR_DEGPS = 200.0, 2300.0
@@ -25,10 +28,16 @@ LARGEST_TICK_STEP = 5000.0
 """A usual step below it counts tenths of a millisecond, one above it microseconds. A DOT gives 1,
 4, 10, 12, 15, 20, 30, 60 or 120 samples a second (Movella DOT user manual, output rates): 4 Hz are
 steps of 2,500 in the one unit, 120 Hz of 8,333 in the other."""
+SAME_UNIT = 2.0
+"""Factor within which a gyroscope agrees with the turns; degrees and radians differ by 57. Set by
+hand: at rest the turns, which have four decimals, are off by tenths."""
 
 
 def is_xsens_dot(line: str) -> bool:
     """Whether a file begins like a DOT recording of the app or of the PC software.
+
+    A table whose head was taken off has the names of an export of MT Manager, which has other units
+    of rate and clock: further columns tell, or nothing does.
 
     Parameters
     ----------
@@ -38,14 +47,17 @@ def is_xsens_dot(line: str) -> bool:
     -------
     bool
     """
-    return (
-        re.match(r'"?(DeviceTag|FirmwareVersion|(PacketCounter,)?SampleTimeFine,)', line)
-        is not None
-    )
+    if re.match(r'"?(DeviceTag|FirmwareVersion)', line):
+        return True
+    names = re.match(r'"?(PacketCounter"?[,;\t ]\s*"?)?SampleTimeFine\b', line)
+    return names is not None and not re.search(OF_MT_MANAGER, line)
 
 
 def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
-    """Stream of an offline recording with acceleration (m/s²) and angular rate (deg/s).
+    """Stream of a recording with acceleration (m/s²) and angular rate.
+
+    Rates are in deg/s, except where the PC software computed them from the turns ``dq`` ("Custom
+    mode 4"): then in rad/s. Where turns are logged, they tell which.
 
     Rows of zeros at the beginning, before the sensor's first sample, are left out, and so are
     damaged rows (NaN, infinity, more than the sensor's range); a warning says how many.
@@ -63,7 +75,8 @@ def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     Raises
     ------
     InputError
-        If a column is missing (real-time recordings hold no rates), or no row is usable.
+        If a column is missing (real-time recordings hold no rates), no row is usable, or the rates
+        fit the turns in no unit.
     """
     lines = comma_separated(text).split("\n", MOST_HEADER_LINES)
     head = next((k for k, line in enumerate(lines) if "SampleTimeFine" in line), None)
@@ -77,9 +90,11 @@ def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
             "'Rate quantities' or 'Custom' with acceleration and angular velocity: FreeAcc has no "
             "gravity"
         )
+    turns = [name for name in TURNS if name in names]
+    body, unread = _without_bare_stamps("\n".join(lines[head:]))
     table = parse_numbers(
-        "\n".join(lines[head:]), separator=",", source=source, first_line=head + 1,
-        wanted={"SampleTimeFine", *ACCELEROMETER, *GYROSCOPE}.__contains__,
+        body, separator=",", source=source, first_line=head + 1,
+        wanted={"SampleTimeFine", *ACCELEROMETER, *GYROSCOPE, *turns}.__contains__,
     )  # fmt: skip
     values = table.columns([*ACCELEROMETER, *GYROSCOPE])
     # Written before the sensor's first sample.
@@ -97,14 +112,54 @@ def read_xsens_dot(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
         said.append(f"{source}: {begin} row(s) of zeros at the beginning left out")
     if damaged:
         said.append(f"{source}: {damaged} damaged row(s) left out")
+    if unread:
+        said.append(f"{source}: {unread} row(s) without readings at the end left out")
+    time_s = _seconds(count[sound])
+    scale = np.pi / 180
+    if turns == TURNS and _in_radians(gyr[sound], table.columns(TURNS)[sound], time_s, source):
+        scale = 1.0
+        said.append(f"{source}: angular rates taken in rad/s, for they are the turns dq over time")
     return (
         Stream(
-            _seconds(count[sound]),
+            time_s,
             acc[sound],
-            np.deg2rad(gyr[sound]),
+            gyr[sound] * scale,
             source=source,
             warnings=tuple(said),
         ),
+    )
+
+
+def _without_bare_stamps(table: str) -> tuple[str, int]:
+    """Table without last rows that hold a stamp alone, and their number.
+
+    The PC software writes some while a measurement ends. A last line that does not end may be cut,
+    and is kept, so that it is told.
+    """
+    lines = table.split("\n")
+    end = len(lines) - 1
+    while not lines[-1] and end > 1 and lines[end - 1].rstrip("\r").isdigit():
+        end -= 1
+    return "\n".join([*lines[:end], lines[-1]]), len(lines) - 1 - end
+
+
+def _in_radians(gyr: FloatArray, turns: FloatArray, time_s: FloatArray, source: str) -> bool:
+    """Whether rates are in rad/s: the turn during a sample, of which ``dq`` is half, tells."""
+    step_s = float(np.median(np.diff(time_s))) if len(time_s) > 1 else 0.0
+    told = np.isfinite(turns).all(axis=1)
+    power = float((turns[told] ** 2).sum())
+    if not (power > 0 and step_s > 0):
+        raise InputError(
+            f"{source}: its turns dq are zero, so that the unit of Gyr is not known; state it in a "
+            "map (mobility-imu read --map)"
+        )
+    ratio = float((gyr[told] * turns[told]).sum()) * step_s / (2 * power)
+    for unit, radians in ((1.0, True), (180 / np.pi, False)):
+        if unit / SAME_UNIT < ratio < unit * SAME_UNIT:
+            return radians
+    raise InputError(
+        f"{source}: Gyr fits the turns dq neither in rad/s nor in deg/s (ratio {ratio:.3g}); state "
+        "the unit in a map (mobility-imu read --map)"
     )
 
 

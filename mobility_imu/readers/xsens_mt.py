@@ -14,7 +14,7 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.readers.clocks import LONG_END_S, check_rate
 from mobility_imu.readers.layout import find_layout
 from mobility_imu.readers.streams import Asked, Stream
-from mobility_imu.readers.table import parse_numbers
+from mobility_imu.readers.table import NumberTable, parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
 COUNTER_RANGE = 2**16
@@ -29,6 +29,9 @@ TICK_RANGE = 2**32
 """SampleTimeFine has 32 bits (same document)."""
 COUNTERS = ("PacketCounter", "Counter")
 QUANTITIES = {"Acc": "acc", "Gyr": "gyr"}
+OF_DOT = r"\b(Euler_X|Quat_W|dq_W|dv\[1\])"
+OF_MT_MANAGER = r"\b(Year|UTC_|Mat\[|Quat_q0|Quat_w|Roll|Latitude)"
+"""Names of columns that only an Xsens DOT has, or only an export of MT Manager."""
 MOST_COMMENTS = 100
 """Lines of comments that are read; exports of 2019 and later have 12. Set by hand."""
 BY_CHANCE = 0.05
@@ -50,6 +53,7 @@ def is_xsens_mt(names: str) -> bool:
     return names.startswith("//") or bool(
         re.match(r'"?(Packet)?Counter"?\s*[\t,; ]', names)
         and re.search(r"\b(Acc|Gyr|Mat|Quat|Roll)", names)
+        and not re.search(OF_DOT, names)
     )
 
 
@@ -165,12 +169,7 @@ def parse_export(text: str, source: str) -> Export:
     counter = None
     if counter_name is not None:
         counter = unwrapped(table.columns([counter_name])[:, 0], source)
-    ticks = None
-    if "SampleTimeFine" in table.header:
-        raw = table.columns(["SampleTimeFine"])[:, 0]
-        if np.isfinite(raw).all():
-            wraps = np.cumsum(np.diff(raw, prepend=raw[:1]) < -TICK_RANGE / 2)
-            ticks = (raw + TICK_RANGE * wraps) / TICKS_PER_S
+    ticks = _ticks(table)
     values = np.hstack([table.columns([f"{q}_{axis}" for axis in "XYZ"]) for q in quantities])
     empty = np.isnan(values).all(axis=1)
     said = []
@@ -180,6 +179,9 @@ def parse_export(text: str, source: str) -> Export:
                 f"{source}: {int(empty.sum())} row(s) without readings and no packet counter"
             )
         said.append(f"{source}: {int(empty.sum())} lost packet(s), rows without readings")
+    headless = not any(line.startswith("//") for line in comments)
+    if headless and "Gyr" in quantities and not re.search(OF_MT_MANAGER, head):
+        said.append(f"{source}: has no head of MT Manager; its Gyr is taken in rad/s")
     kept = ~empty
     partly = np.isnan(values).any(axis=1) & kept
     if partly.any() and counter is not None and counter_name is not None:
@@ -194,6 +196,17 @@ def parse_export(text: str, source: str) -> Export:
         source,
         tuple(said),
     )
+
+
+def _ticks(table: NumberTable) -> FloatArray | None:
+    """SampleTimeFine in s, going on where it starts again; None without it, or if it is empty."""
+    if "SampleTimeFine" not in table.header:
+        return None
+    raw = table.columns(["SampleTimeFine"])[:, 0]
+    if not np.isfinite(raw).all() or np.ptp(raw) == 0:  # some versions write 0 throughout
+        return None
+    wraps = np.cumsum(np.diff(raw, prepend=raw[:1]) < -TICK_RANGE / 2)
+    return np.asarray((raw + TICK_RANGE * wraps) / TICKS_PER_S)
 
 
 def share_packets(exports: Mapping[str, Export]) -> bool:

@@ -74,7 +74,7 @@ ASKED = {
     "xsens_mtmanager/MT_012005D6-000_sit_to_stand-000_00B421ED.txt": "no column Acc_X",
     "damaged_by_spreadsheet/phyphox_decimal_comma_lost_exponents.csv": r"gap of 1e\+07 s",
     "damaged_by_spreadsheet/bom_thousands_points_acc.csv": "unknown format",
-    "damaged_by_spreadsheet/xsens_dot_euler_decimal_comma.csv": "unknown format",
+    "damaged_by_spreadsheet/xsens_dot_euler_decimal_comma.csv": "no column Acc_X",
     "motion_bids/sub-pp002": "without a session that is known",
 }
 
