@@ -251,8 +251,9 @@ def agreement(seen: Seen, motion: Motion) -> Agreement:
 
 def _detrended(values: FloatArray, good: NDArray[np.bool_]) -> FloatArray:
     """Values of the good samples without the line through them: an unknown offset is no misfit."""
-    place = np.flatnonzero(good) / len(good)
-    return np.asarray(values[good] - np.polyval(np.polyfit(place, values[good], 1), place))
+    place, chosen = np.flatnonzero(good).astype(float), values[good]
+    place, chosen = place - place.mean(), chosen - chosen.mean()
+    return np.asarray(chosen - place * (place @ chosen) / max(float(place @ place), 1.0))
 
 
 def lag_between(motion: Motion, good: NDArray[np.bool_], rate_hz: float) -> Lag:

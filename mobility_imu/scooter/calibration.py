@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage, optimize
+from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.arguments import expect
@@ -34,8 +34,13 @@ from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
 from mobility_imu.scooter.angles import three_axis_angles
 from mobility_imu.scooter.force import is_wrong_length
-from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
+from mobility_imu.scooter.geometry import (
+    ScooterGeometry,
+    lever_acceleration,
+    rotation_lever_to_body,
+)
 from mobility_imu.scooter.mount import ScooterMount
+from mobility_imu.scooter.mount_fit import MountFit
 from mobility_imu.scooter.pose_table import Places, step_of, wrong_angles
 
 __all__ = [
@@ -265,24 +270,26 @@ def mount_from_poses(
         return np.asarray((seen - lever_acceleration(upright, *believed, geometry)).ravel())
 
     none = np.zeros(stops.number + 24)
-
-    def misfit(turns: FloatArray) -> FloatArray:
-        return np.asarray(np.r_[apart(turns, none) / pose_sd, turns / prior_sd])
-
-    found = optimize.least_squares(misfit, np.zeros(6), method="lm")
-    if not found.success:
-        raise InputError(f"the poses fit no mount: the least squares did not end ({found.message})")
+    fit = MountFit(
+        lever, body, rotation_lever_to_body(steering, throttle, geometry), pose_sd, prior_sd
+    )
+    found = fit.solved()
     spread = _fault_deviations(stops.number, pose_sd)
     step = 1e-5 * np.eye(len(none))
     by_fault = [(apart(found.x, d) - apart(found.x, -d)) / 2e-5 for d in step]
-    sd, usual = _standard_deviations(found.jac, np.transpose(by_fault) * spread / pose_sd)
+    try:
+        sd, usual = _standard_deviations(found.jac, np.transpose(by_fault) * spread / pose_sd)
+    except np.linalg.LinAlgError:
+        raise InputError(
+            f"pose_sd_rad = {pose_sd:g}, prior_sd_rad = {prior_sd:g}: with them the poses tell no "
+            "mount; expected angles of stops and mounts, in rad"
+        ) from None
     left = apart(found.x, none)
     apart_rad = rms(np.linalg.norm(left.reshape(-1, 3), axis=1))
     if apart_rad > LARGEST_MISFIT_RAD:
         sd = sd * max(1.0, rms(left) / (usual * pose_sd))
     unseen = _unseen(sd, prior_sd)
-    lever_turn, body_turn = Rotation.from_rotvec(found.x.reshape(2, 3)).as_matrix()
-    mount = ScooterMount(lever_turn, body_turn, sd)
+    mount = ScooterMount(*_matrices(found.x), sd)
     warnings = [
         f"the poses tell little of the turn of the {name}: park at another slope as well"
         for name in unseen
@@ -296,6 +303,12 @@ def mount_from_poses(
     return ScooterCalibration(
         mount, sd, unseen, geometry, told, pose_sd, prior_sd, apart_rad, tuple(severe)
     )
+
+
+def _matrices(turns: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rotation matrices of both IMUs, from their rotation vectors one after the other."""
+    lever, body = Rotation.from_rotvec(turns.reshape(2, 3)).as_matrix()
+    return lever, body
 
 
 def _unseen(sd_rad: FloatArray, prior_sd_rad: float) -> tuple[str, ...]:
@@ -369,14 +382,13 @@ def _says_wrong(
         for name in ("lever_acc_mps2", "body_acc_mps2")
     )
     held = Places(lever, body, max(map(step_of, parked)))
+    flat = lever.reshape(-1, 3), body.reshape(-1, 3)
 
     def mount_of(table: FloatArray) -> ScooterMount:
-        poses = [
-            replace(pose, steering_rad=angles[0], throttle_rad=angles[1])
-            for some in places
-            for pose, angles in zip(some, table.tolist(), strict=True)
-        ]
-        return mount_from_poses(poses, found.geometry, pose_sd_rad=found.pose_sd_rad).mount
+        steering, throttle = np.tile(table, (len(places), 1)).T
+        chain = rotation_lever_to_body(steering, throttle, found.geometry)
+        turns = MountFit(*flat, chain, found.pose_sd_rad, PRIOR_SD_RAD).solved().x
+        return ScooterMount(*_matrices(turns))
 
     table = np.array([(pose.steering_rad, pose.throttle_rad) for pose in places[0]])
     wrong = wrong_angles(held, table, found.geometry, mount_of)
