@@ -24,6 +24,13 @@ if TYPE_CHECKING:
     from mobility_imu.walker import Steps, Trajectory, WalkerGeometry, WalkerMount
 
 app = sub_app("Walking frame: mount of the IMU, and path.")
+ScalePercent = Annotated[
+    float,
+    typer.Option(
+        help="Standard deviation of the sensor's scale factors: 0.3 where the maker calibrates "
+        "them, 1 or more of cheap sensors."
+    ),
+]
 
 
 @app.command("calibrate")
@@ -41,6 +48,7 @@ def calibrate(
         str, typer.Option(help="Tilts as they were made; some may be missing in the recording.")
     ] = "front,back,right,left",
     smooth: Smooth = True,
+    scale_percent: ScalePercent = 0.3,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
@@ -54,7 +62,12 @@ def calibrate(
     """
     from mobility_imu.cli.summaries import read_line, walker_mount_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.walker import WalkerGeometry, calibrate_mount, find_tilt_faults
+    from mobility_imu.walker import (
+        NavigationSettings,
+        WalkerGeometry,
+        calibrate_mount,
+        find_tilt_faults,
+    )
     from mobility_imu.walker.faults import not_told
 
     outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
@@ -67,6 +80,7 @@ def calibrate(
         "form": form,
         "order": [name.strip() for name in order.split(",")],
         "smooth": smooth,
+        "settings": NavigationSettings(scale_sd=scale_percent / 100),
     }
     faults = find_tilt_faults(recording, frame, **options)
     tell_faults(faults, strict)
@@ -99,6 +113,7 @@ def trajectory(
             help="The walk ends where and as it began: a constraint, never evidence of accuracy.",
         ),
     ] = False,
+    scale_percent: ScalePercent = 0.3,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
@@ -114,14 +129,17 @@ def trajectory(
     from mobility_imu.cli.summaries import read_line, trajectory_lines, written_line
     from mobility_imu.readers import recording_files
     from mobility_imu.readers.rests import read_rests
-    from mobility_imu.walker import WalkerMount
+    from mobility_imu.walker import NavigationSettings, WalkerMount
 
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
     recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s)
     known = None if rests is None else read_rests(rests, recording.time_s)
-    options = {"smooth": smooth, "closed_loop": closed_loop, "rests": known}
+    settings = NavigationSettings(scale_sd=scale_percent / 100)
+    options = {
+        "settings": settings, "smooth": smooth, "closed_loop": closed_loop, "rests": known
+    }  # fmt: skip
     found, table = _followed(walk, recording, _footprint(geometry), mount, options, strict)
     contents = {output: csv_bytes(table, output)}
     placed = _steps(found, walk, needed=steps is not None)

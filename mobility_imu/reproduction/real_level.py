@@ -34,6 +34,7 @@ from mobility_imu.simulation.wheelchair import random_court
 from mobility_imu.walker.calibration import calibrate_mount as calibrate_walker
 from mobility_imu.walker.geometry import WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.navigation_settings import NavigationSettings
 from mobility_imu.walker.steps import find_steps
 from mobility_imu.walker.trajectory import estimate_trajectory
 from mobility_imu.wheelchair.calibration import calibrate_mount as calibrate_wheelchair
@@ -164,7 +165,9 @@ def frame_row(seed: int, level: str) -> Numbers:
 
     Returns
     -------
-    dict of numbers of this frame; only ``answered``, 0, where the calibration is refused
+    dict of numbers of this frame; only ``answered``, 0, where the calibration is refused. With
+    sensors as real ones are, ``..._if_stated`` is the same coverage if the user states how wrong
+    the scale factors of these sensors are
     """
     chosen, pose = FRAMES[level], tuple(MOUNTS)[seed % len(MOUNTS)]
     run, tape = tilt_run(seed, pose, chosen)
@@ -176,15 +179,26 @@ def frame_row(seed: int, level: str) -> Numbers:
     turn = Rotation.from_matrix(
         found.mount.rotation_imu_to_body @ MOUNTS[pose].rotation_imu_to_body.T
     )
+    stated = NavigationSettings(scale_sd=chosen.sensor.gyr.scale_sd) if level == "real" else None
     row = {
         "answered": 1.0,
         "mount_error_m": float(np.linalg.norm(off)),
         "mount_turn_deg": float(np.rad2deg(turn.magnitude())),
         "mount_covered": float(np.mean(np.abs(off) < WITHIN * found.translation_sd_m)),
     }
+    known = None
+    if stated is not None:
+        known = calibrate_walker(run.recording, tape, settings=stated)
+        row["mount_covered_if_stated"] = float(
+            np.mean(np.abs(off) < WITHIN * known.translation_sd_m)
+        )
     for name, course in (("corridor", CORRIDOR), ("rectangle", RECTANGLE)):
         motion = simulate_walk(course, seed=seed, imperfections=chosen.imperfections)
-        row |= _walk_numbers(name, course, motion, (seed, pose, level), found.mount, tape)
+        key = seed, pose, level
+        row |= _walk_numbers(name, course, motion, key, found.mount, tape)
+        if known is not None:
+            again = _walk_numbers(name, course, motion, key, known.mount, tape, stated)
+            row[f"{name}_end_covered_if_stated"] = again[f"{name}_end_covered"]
     return row
 
 
@@ -195,11 +209,12 @@ def _walk_numbers(
     key: tuple[int, str, str],
     mount: WalkerMount,
     tape: WalkerGeometry,
+    settings: NavigationSettings | None = None,
 ) -> Numbers:
     seed, pose, level = key
     unit = unit_of(seed, pose)
     walk = attach_imu(motion, MOUNTS[pose], FRAMES[level].sensor, seed=1000 + unit, unit_seed=unit)
-    path = estimate_trajectory(walk.recording, tape, mount)
+    path = estimate_trajectory(walk.recording, tape, mount, settings)
     goal = (walk.position_body_m[-1] - walk.position_body_m[0])[:2]
     end = (path.position_m[-1] - path.position_m[0])[:2]
     length = sum(leg.length_m for leg in course)

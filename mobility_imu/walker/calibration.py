@@ -33,7 +33,6 @@ from mobility_imu.walker.geometry import (
 from mobility_imu.walker.mount import REACH_M, WalkerMount
 from mobility_imu.walker.navigation import Navigation, NavigationSettings
 from mobility_imu.walker.sensor_errors import (
-    SCALE_SD,
     SCALES_OF_ACC,
     check_deviations,
     off_scale,
@@ -152,10 +151,10 @@ def calibrate_mount(
     -------
     WalkerCalibration
         The standard deviations of "all-samples" hold the sensor's noise, a bias of its
-        accelerometer, and errors of its scale and axes of SCALE_SD and MISALIGNMENT_SD_RAD; or the
-        scatter of the arcs and the filter's attitude where that is more. Edges that slip are in
-        them as far as the arcs scatter. With 120 units of a simulated MTI-1 the errors are 0.9,
-        1.0, 0.9 of them in position, and 0.9, 1.1, 0.9 in rotation (rms).
+        accelerometer, and errors of its scale (``settings.scale_sd``) and of its axes
+        (MISALIGNMENT_SD_RAD); or the scatter of the arcs and the filter's attitude where that is
+        more. Edges that slip are in them as far as the arcs scatter. With 120 units of a simulated
+        MTI-1 the errors are 0.9, 1.0, 0.9 of them in position, and 0.9, 1.1, 0.9 in rotation (rms).
 
     Raises
     ------
@@ -234,7 +233,8 @@ def _with_sensor_errors(
     place, _, noise_sd = _position_from_arcs(fits, tilts, edges, turn, trust, noise)
     place_var, turn_var = noise_sd**2, np.zeros(3)
     changes = []
-    for wrong in wrong_readings(recording, found.settings.acc_bias_sd_mps2):
+    scale_sd = found.settings.scale_sd
+    for wrong in wrong_readings(recording, found.settings.acc_bias_sd_mps2, scale_sd):
         other = path_of(wrong)
         later = len(other.time_s) - len(path.time_s)
         spans = [slice(t.span.start + later, t.span.stop + later) for t in tilts]
@@ -248,7 +248,7 @@ def _with_sensor_errors(
     check_deviations(place_sd, turn_sd)
     mount = replace(found.mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
     scale = scale_at_rest(path, recording)
-    moved = scale / SCALE_SD * np.sum([changes[k] for k in SCALES_OF_ACC], axis=0)
+    moved = scale / scale_sd * np.sum([changes[k] for k in SCALES_OF_ACC], axis=0)
     return replace(
         found,
         mount=mount,

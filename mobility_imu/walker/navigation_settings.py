@@ -44,6 +44,8 @@ class NavigationSettings:
     zero_rate : whether to make zero-rate updates, which the paper does not
     initial_gyr_mean : whether to start with the mean of the gyroscope over the first rest
     gyr_bias_prior_sd_radps : rad/s, size of the bias where the start is not that mean, but zero
+    scale_sd : 1, how well the sensor's scale factors are known; not in the filter, but in the
+        standard deviations of mount and path. What a data sheet calls typical; 0.003 is our choice
     form : of the error dynamics, "corrected" or as "printed" in eq. 24
     moving_stride : 8, samples of a moving frame that share one step of the covariance
     resting_stride : 4, samples of a resting frame that share one, and one update at their end;
@@ -74,6 +76,7 @@ class NavigationSettings:
     zero_rate: bool = True
     initial_gyr_mean: bool = True
     gyr_bias_prior_sd_radps: float = 0.5 * _DEG
+    scale_sd: float = 0.003
     form: Form = "corrected"
     moving_stride: int = 8
     resting_stride: int = 4
@@ -91,7 +94,9 @@ class NavigationSettings:
             object.__setattr__(self, name, flag)
         sizes = dict.fromkeys((n for n in vars(self) if n not in others), SIZES)
         strides = dict.fromkeys(("moving_stride", "resting_stride"), (1, LONGEST_STRIDE))
-        check_limits(self, {**sizes, **strides, "upright_rad": (SIZES[0], np.pi)})
+        check_limits(
+            self, {**sizes, **strides, "upright_rad": (SIZES[0], np.pi), "scale_sd": (1e-6, 1.0)}
+        )
 
     @classmethod
     def for_foot(cls, *, gyr_range_radps: float = 1e3) -> NavigationSettings:

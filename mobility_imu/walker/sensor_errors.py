@@ -17,16 +17,14 @@ __all__ = [
     "MISALIGNMENT_SD_RAD",
     "REST_WORDS",
     "SCALES_OF_ACC",
-    "SCALE_SD",
     "check_deviations",
     "off_scale",
     "scale_at_rest",
     "wrong_readings",
 ]
 
-SCALE_SD = 0.003
 MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))
-"""Assumed errors of the sensor's scale and axes; no tilt shows them."""
+"""Assumed error of the sensor's axes; no tilt shows it."""
 REST_WORDS = "at rest the accelerometer reads"
 OFF_SCALE_TIMES = 3.0
 """Standard deviations of the mount from which on it is told that the scale which the rests show
@@ -49,13 +47,14 @@ SCALES_OF_ACC = [k for k, error in enumerate(KINDS_OF_ERROR) if error[1:] == ("a
 """Numbers of the recordings of :func:`wrong_readings` whose accelerometer has a wrong scale."""
 
 
-def wrong_readings(recording: Recording, acc_bias_mps2: float) -> Iterator[Recording]:
+def wrong_readings(recording: Recording, acc_bias_mps2: float, scale: float) -> Iterator[Recording]:
     """Recordings with one error each: of a scale factor, an axis, or the accelerometer's bias.
 
     Parameters
     ----------
     recording : Recording with a sensor "frame"
     acc_bias_mps2 : m/s², size of the bias
+    scale : 1, size of the error of a scale factor
 
     Yields
     ------
@@ -67,7 +66,7 @@ def wrong_readings(recording: Recording, acc_bias_mps2: float) -> Iterator[Recor
         if kind == "offset":
             offset[row] = acc_bias_mps2
         else:
-            mixing[row, column] += SCALE_SD if row == column else MISALIGNMENT_SD_RAD
+            mixing[row, column] += scale if row == column else MISALIGNMENT_SD_RAD
         if kind == "gyr":
             wrong = Imu(acc, gyr @ mixing.T)
         else:

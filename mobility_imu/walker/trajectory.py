@@ -25,7 +25,6 @@ from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import WalkerGeometry, rotation_world_to_imu
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
-from mobility_imu.walker.sensor_errors import SCALE_SD
 from mobility_imu.walker.stillness import StillnessSettings
 
 if TYPE_CHECKING:
@@ -66,12 +65,12 @@ class Trajectory(Result):
     rotation_body_to_world : (n, 3, 3) array
     stationary : (n,) bool array
     position_sd_m : (n, 3) array, m, standard deviation of the position along each axis; with the
-        what wrong scales of the sensor do to lengths and headings (SCALE_SD), and the mount's
+        what wrong scales of the sensor do to lengths and headings (``scale_sd``), and the mount's
         errors, as far as the mount states them, but not with creep or slip of the tips, which no
         IMU sees
-    yaw_sd_rad : (n,) array, rad. On walks with turns, where SCALE_SD counts, simulated errors are
-        0.9 of it. At the end of a straight corridor they are a quarter: the filter's noise is three
-        times the gyroscope's, and it allows for a resting frame that turns a little
+    yaw_sd_rad : (n,) array, rad. On walks with turns, where ``scale_sd`` counts, simulated errors
+        are 0.9 of it. At the end of a straight corridor they are a quarter: the filter's noise is
+        three times the gyroscope's, and it allows for a resting frame that turns a little
     warnings : what the user should know
     settings, stillness : what it was found with; stillness is None if the rests were given
     smooth : whether each estimate uses what comes after it
@@ -425,13 +424,14 @@ def trajectory_from_path(
     place, body_to_world = body_position(path.position_m, path.quaternion, mount)
     first = int(np.argmax(path.still))
     notes = list(warnings)
+    settings = settings_or_default("settings", settings, NavigationSettings)
     forward = body_to_world[first, :2, 0]
     east, north = forward / np.linalg.norm(forward)
     to_start = np.array([[east, north, 0.0], [-north, east, 0.0], [0.0, 0.0, 1.0]])
     position = (place - place[first]) @ to_start.T
     attitude = to_start @ body_to_world
     sd, yaw_sd = _standard_deviations(
-        path, mount, to_start, position, attitude, tied=closed_loop is not None
+        path, mount, to_start, position, attitude, settings.scale_sd, tied=closed_loop is not None
     )
     backward = _backward_fraction(position, attitude, path.still)
     if backward > 0.8:
@@ -446,7 +446,7 @@ def trajectory_from_path(
         sd,
         yaw_sd,
         tuple(notes),
-        settings=settings_or_default("settings", settings, NavigationSettings),
+        settings=settings,
         stillness=settings_or_default("stillness", stillness, StillnessSettings),
         smooth=smooth,
     )
@@ -458,6 +458,7 @@ def _standard_deviations(
     to_start: FloatArray,
     position: FloatArray,
     attitude: FloatArray,
+    scale_sd: float,
     *,
     tied: bool,
 ) -> tuple[FloatArray, FloatArray]:
@@ -473,14 +474,14 @@ def _standard_deviations(
     if mount.translation_sd_m is not None:
         variance += (attitude - attitude[first]) ** 2 @ mount.translation_sd_m**2
     # The accelerometer's scale errs along the way gone, the mount's heading across it.
-    variance += (SCALE_SD * position) ** 2
+    variance += (scale_sd * position) ** 2
     if mount.rotation_sd_rad is not None:
         variance[:, :2] += (mount.rotation_sd_rad[2] * position[:, 1::-1]) ** 2
     up = path.rotation_imu_to_world()[:, 2]
     yaw_sd = 2 * np.sqrt(np.einsum("ni,ni->n", up**2, path.sd[:, :3] ** 2))
     heading = np.unwrap(np.arctan2(attitude[:, 1, 0], attitude[:, 0, 0]))
-    variance[:, :2] += (SCALE_SD * _led_astray(position, attitude, tied)) ** 2
-    return np.sqrt(np.maximum(variance, 0)), np.hypot(yaw_sd, SCALE_SD * np.abs(heading))
+    variance[:, :2] += (scale_sd * _led_astray(position, attitude, tied)) ** 2
+    return np.sqrt(np.maximum(variance, 0)), np.hypot(yaw_sd, scale_sd * np.abs(heading))
 
 
 def _led_astray(position: FloatArray, attitude: FloatArray, tied: bool) -> FloatArray:

@@ -39,7 +39,6 @@ from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import TILT_DIRECTIONS
 from mobility_imu.walker.sensor_errors import (
     REST_WORDS,
-    SCALE_SD,
     SCALES_OF_ACC,
     wrong_readings,
 )
@@ -192,17 +191,17 @@ def test_the_larger_of_scatter_and_sensor_errors_is_stated():
 
 
 def test_scales_of_the_accelerometer_are_those_of_the_wrong_readings():
-    """One axis each is 1 + SCALE_SD times as large, and nothing else is changed."""
+    """One axis each is 1.003 times as large, and nothing else is changed."""
     recording = tilt_recording()
     imu = recording.sensor("frame")
-    wrong = [each.sensor("frame") for each in wrong_readings(recording, 0.1)]
+    wrong = [each.sensor("frame") for each in wrong_readings(recording, 0.1, 0.003)]
     assert len(wrong) == 21
     scaled = [
         (k, axis)
         for k, each in enumerate(wrong)
         for axis in range(3)
         if np.array_equal(each.gyr_radps, imu.gyr_radps)
-        and np.allclose(each.acc_mps2, imu.acc_mps2 * (1 + SCALE_SD * np.eye(3)[axis]), rtol=1e-12)
+        and np.allclose(each.acc_mps2, imu.acc_mps2 * (1 + 0.003 * np.eye(3)[axis]), rtol=1e-12)
     ]
     assert scaled == list(zip(SCALES_OF_ACC, range(3), strict=True))
 

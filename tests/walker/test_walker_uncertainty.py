@@ -34,7 +34,6 @@ from mobility_imu.walker import (
 from mobility_imu.walker.arc_fit import arm_noise, fit_arc
 from mobility_imu.walker.calibration import _birge_factor, _heading_sd, calibrate_from_path
 from mobility_imu.walker.follow import navigate_recording
-from mobility_imu.walker.sensor_errors import SCALE_SD
 from mobility_imu.walker.trajectory import _led_astray, trajectory_from_path
 
 
@@ -408,7 +407,7 @@ def test_a_wrong_scale_of_the_gyroscope_leads_the_path_astray_as_computed(tied):
     else:
         assert np.allclose(computed[[0, -1]], 0, atol=1e-9)
         assert 0.5 < moved.max() / np.linalg.norm(computed, axis=1).max() < 1
-    stated = 0.01 / SCALE_SD * right.horizontal_sd_m
+    stated = 0.01 / NavigationSettings().scale_sd * right.horizontal_sd_m
     assert (moved < stated + 1e-3).all() and moved[-1] > 0.5 * stated[-1]
 
 
