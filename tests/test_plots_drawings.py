@@ -467,7 +467,7 @@ def test_counterpart_exists(entry):
 def test_caption_says_what_a_drawing_is_drawn_from(entry):
     words = {
         "drawn": r"[Dd]rawn from .*caption.*(not seen|without its figure)",
-        "original": r"original .*was looked at",
+        "original": r"compared .*with the original figure",
     }
     if entry["basis"] not in words:
         return

@@ -172,7 +172,7 @@ def plot_domain(geometry: ScooterGeometry, *, lock_rad: float) -> Figure:
                 ax.text(x + 0.7, y + 0.6, label, color="#00537F", bbox=WHITE)
             ax.set_xlabel("pitch, deg (nose up is positive)")
             ax.grid(visible=False)
-        first.set_ylabel("roll, deg (right side up is positive)")
+        first.set_ylabel("roll, deg (right side higher is positive)")
     return figure
 
 
