@@ -52,7 +52,7 @@ class Headline(NamedTuple):
 
 _OFFSET = (
     "the accelerometers get new offsets (0.2 m/s²) whenever they are switched on, also after the "
-    "calibration, and the ride shakes them more"
+    "calibration, and these sensors shake more"
 )
 _CLOCKS = "half of the error comes from clocks that differ by up to 30 ms"
 _GYROSCOPES = (
@@ -264,7 +264,7 @@ def what_changes(headline: Headline) -> str:
         elif usual > LEAST_COVERED:
             text = "does not hold: the stated uncertainty is too small"
         else:
-            text = "does not hold at either level: the stated uncertainty is too small"
+            text = "does not hold with either kind of sensor: the stated uncertainty is too small"
     else:
         text = "holds" if abs(real - usual) <= LARGEST_OFF else "does not hold"
     return f"{text}; {headline.note}" if headline.note else text

@@ -80,7 +80,7 @@ STUDIES: dict[str, Study] = {
     "faults_scooter": Study(
         "mobility_imu.reproduction.scooter.faults",
         "faults_record",
-        "50,000 and the ride's number, 0 to 24; 42,000 to 47,000 for rides without a fault",
+        "250,000 and the ride's number, 0 to 24; 242,000 to 247,000 for rides without a fault",
         reads_recordings=True,
     ),
     "wheelmove_sample": Study(
@@ -141,8 +141,8 @@ STUDIES: dict[str, Study] = {
     "faults_wheelchair": Study(
         "mobility_imu.reproduction.wheelchair.faults",
         "study",
-        "17000 to 17024 for the courts, with the kind's and the case's numbers for places and "
-        "sizes; 18000 to 21069 for courts without a fault",
+        "217000 to 217024 for the courts, with the kind's and the case's numbers for places and "
+        "sizes; 218000 to 221069 for courts without a fault",
     ),
     "dropped_chairs": Study(
         "mobility_imu.reproduction.wheelchair.held",
@@ -153,7 +153,8 @@ STUDIES: dict[str, Study] = {
     "faults_walker": Study(
         "mobility_imu.reproduction.walker.faults",
         "study",
-        "8000 to 8024 for walks that get a fault; from 9000, 10000, 11000 and 12000 for others",
+        "208000 to 208024 for walks that get a fault; from 209000, 210000, 211000 and 212000 for "
+        "others",
         reads_recordings=True,
     ),
     "level_real": Study(

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 WORKS: tuple[Work, ...] = get_args(Work)
 NO_RECORDING = (
     "No recording of a study was available to us, so no published result was reproduced "
-    "from a recording. The table counts separately what we recomputed from printed numbers, "
+    "from a recording. The table counts separately what we recomputed from published numbers, "
     "computed by geometry alone, on the public sample of WheelMove-ID, on recordings of other "
     "people or on simulated data. The scooter's authors offer their data on request; we have asked "
     "neither them nor the other authors."
@@ -70,17 +70,17 @@ WORK_VERDICTS = (
         "reproduction",
         "partial",
         "We reproduced the answers of the public tool, not a study: our labels equal the tool's in "
-        "every frame. The document itself prints no results. The term for camber must be changed "
+        "every sample. The document contains no results. The term for camber must be changed "
         "before the wheels show the right yaw rate.",
     ),
     WorkVerdict(
         "walker",
         "replication",
         "partial",
-        "The calibration works in simulation, and 58 of 60 printed averages are right to the last "
-        "digit (59 within one unit). To check the distances and closing errors, one needs the "
-        "recordings. They are not published. The closing errors contain a lever arm, so a "
-        "reproduction needs another target.",
+        "The calibration works in simulation, and 58 of the 60 averages in the tables are right "
+        "to the last digit (59 within one unit). To check the distances and closing errors, one "
+        "needs the recordings. They are not published. The closing errors also depend on where the "
+        "IMU is fixed on the frame (finding K6), so a reproduction should compare other numbers.",
     ),
 )
 """One verdict for each work; the scorecard's page defines the scale."""

@@ -72,7 +72,7 @@ def test_with_the_public_sample_alone_only_the_tools_answers_are_missing(tmp_pat
     sign_safe = found["equations (1.16) to (1.18), our sign-safe form"]
     assert sign_safe.verdict == "agrees"
     assert found["equation (1.12)"].ours == 1.0  # an accelerometer, up is +g
-    assert found["equation (1.17) as printed"].ours == pytest.approx(-1, abs=0.01)
+    assert found["equation (1.17) as in the document"].ours == pytest.approx(-1, abs=0.01)
 
 
 @pytest.mark.skipif(

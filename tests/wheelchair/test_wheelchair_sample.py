@@ -109,7 +109,7 @@ def test_open_choices_change_as_many_frames_as_another_implementation_found():
     assert frames_changed(v, w, 100) == {
         "first frames as in the tool": 0,
         "one offset instead of 25": 1630,
-        "yaw rate > 40, as printed (tool: >=)": 0,
+        "yaw rate > 40, as in the document (tool: >=)": 0,
         "radius from °/s": 5483,
         "radius from means, not mean of radii": 619,
         "no step 4": 1749,

@@ -19,7 +19,7 @@ from mobility_imu.reproduction.scooter.table_claims import (
 )
 from mobility_imu.simulation.scooter import COURSES
 
-IMAGE = "printed in the figure, which our text copies lack"
+IMAGE = "shown in the figure, which our text copies lack"
 PRIVATE = (
     "not published; the paper offers its data on reasonable request to the corresponding author, "
     "and we have not asked"

@@ -45,7 +45,7 @@ def range_of_the_throttle() -> Evidences:
             what="largest 90 % error in percent of the range",
             first_from="stated limit, range of exactly 40°",
             first=100 * limit / stated,
-            second_from="as printed",
+            second_from="as in the paper",
             second=share,
             tolerance=0.05,
             unit="%",
@@ -127,7 +127,7 @@ def right_side_slope() -> Evidences:
     return tuple(
         Evidence(
             what=f"mean error of one IMU minus that of two, cell 5-{column}",
-            first_from="as printed",
+            first_from="as in the paper",
             first=float(
                 printed["right", column, "single_mae"] - printed["right", column, "dual_mae"]
             ),

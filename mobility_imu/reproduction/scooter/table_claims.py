@@ -33,7 +33,7 @@ FloatTable = dict[tuple[str, str], float]
 RANGE_DEG = {"steering": 100.0, "throttle": 40.0}
 """Ranges of both controls (section 2.1, "approximately")."""
 HOLDS = "the statement holds"
-COUNT_REASON = "a count of printed numbers"
+COUNT_REASON = "a count of published numbers"
 
 SHARES = Quotation(
     "These values are approximately equal to 10% and 11.3% of the movable ranges for the two "
@@ -117,7 +117,7 @@ def _imus(mode: str) -> str:
 
 def _cell_reason(mode: str, part: str) -> str:
     if mode == "dual":
-        return "half of the last printed digit; geometry alone leaves two IMUs no error"
+        return "half of the last published digit; geometry alone leaves two IMUs no error"
     if part == "sd":
         return "as for the MAE; the reading of the SD was chosen with four cells known"
     return CELL_TOLERANCE_REASON
@@ -282,7 +282,7 @@ def _of_the_text() -> list[Claim]:
     recomputed = partial(
         Claim, work="scooter", basis="published numbers recomputed", tolerance_reason=COUNT_REASON
     )
-    rounding = "rounding of the printed number"
+    rounding = "rounding of the published number"
     return [
         recomputed(
             where="section 3.2",

@@ -36,7 +36,7 @@ COLUMNS = {
 }
 """Columns of Tables 2 to 4, and what they hold."""
 NOT_PUBLISHED = "not published"
-IMAGE_ONLY = "printed in the figure, which our text copies lack"
+IMAGE_ONLY = "shown in the figure, which our text copies lack"
 
 
 def claims() -> list[Claim]:
@@ -138,7 +138,7 @@ def _distance_errors() -> list[Claim]:
             source=cells[f"{pose}/{walk}", "distance_error"][0],
             published=cells[f"{pose}/{walk}", "distance_error"][1],
             tolerance=1e-9,
-            tolerance_reason="the difference of two printed decimals is exact",
+            tolerance_reason="the difference of two published decimals is exact",
         )
         for k, pose in enumerate(POSES)
         for walk in range(1, 7)
@@ -183,7 +183,7 @@ def _rotations() -> list[Claim]:
             reference_from="a rotation matrix",
             n=9,
             tolerance=PRINT_DEFECT,
-            tolerance_reason="rows are printed up to 0.0005 short of unit length; chosen with the "
+            tolerance_reason="the rows are up to 0.0005 short of unit length; chosen with the "
             "table known",
             finding={"1": "K4", "2": "K11"}.get(pose, ""),
         )
@@ -311,7 +311,7 @@ def _accuracies() -> list[Claim]:
             published=printed,
             n=30,
             tolerance=0.5,
-            tolerance_reason="printed to whole percents",
+            tolerance_reason="the paper gives whole percents",
         )
         for where, what, printed, sentence, compute in rows
     ]
@@ -392,7 +392,7 @@ def _not_tested() -> list[Claim]:
             "%",
             basis="not reproducible",
             source=Quotation("there is no significant reduction in the accuracy of the distance"),
-            reason="the spread of the earlier results is not printed: 1.3 and 1.5 points of "
+            reason="the spread of the earlier results is not published: 1.3 and 1.5 points of "
             "accuracy less are about twice the error, and both views are fair",
             experiment=True,
             finding="K19",

@@ -121,7 +121,7 @@ def accelerometer_bias() -> Evidences:
     return (
         Evidence(
             what="difference of the block from the difference quotient (largest entry)",
-            first_from="0, as printed",
+            first_from="0, as in the paper",
             first=float(np.abs(printed[9:12, 12:15] - truth).max()),
             second_from="−C'(q̂), the factor of the noise in the same place",
             second=float(np.abs(corrected[9:12, 12:15] - truth).max()),
@@ -321,21 +321,27 @@ def _distances(x: float, y: float, h: float) -> dict[TiltDirection, float]:
 
 
 def roots_without_a_side() -> Evidences:
-    """K16: x of an IMU 50 mm behind the rear tips, by both forms of (15)."""
-    x, y, h = -0.05, 0.10, 0.60
-    distances = _distances(x, y, h)
-    return (
-        Evidence(
-            what="x of an IMU behind the rear tips, exact distances",
-            first_from="roots of (15)",
-            first=float(position_four_tilts(distances, FOOTPRINT, form="printed")[0]),
-            second_from="differences of squares",
-            second=float(position_four_tilts(distances, FOOTPRINT)[0]),
-            truth=x,
-            tolerance=1e-9,
-            unit="m",
-        ),
-    )
+    """K16: an IMU 50 mm behind the rear tips and one 100 mm beside them, by both forms of (15)."""
+    places = {
+        "x of an IMU behind the rear tips": (0, (-0.05, 0.10, 0.60)),
+        "y of an IMU beside the footprint": (1, (0.20, 0.40, 0.60)),
+    }
+    rows = []
+    for what, (axis, place) in places.items():
+        distances = _distances(*place)
+        rows.append(
+            Evidence(
+                what=f"{what}, exact distances",
+                first_from="roots of (15)",
+                first=float(position_four_tilts(distances, FOOTPRINT, form="printed")[axis]),
+                second_from="differences of squares",
+                second=float(position_four_tilts(distances, FOOTPRINT)[axis]),
+                truth=place[axis],
+                tolerance=1e-9,
+                unit="m",
+            )
+        )
+    return tuple(rows)
 
 
 def direction_of_g() -> Evidences:

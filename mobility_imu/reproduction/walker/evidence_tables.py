@@ -54,7 +54,7 @@ def entry_of_pose_1() -> Evidences:
         _entry("1"),
         Evidence(
             what="excess of the matrix' largest entry over 1",
-            first_from="as printed",
+            first_from="as in the paper",
             first=max(printed - 1, 0.0),
             second_from="repaired",
             second=max(mended - 1, 0.0),
@@ -141,7 +141,7 @@ def difference_of_tables_3_and_4() -> Evidences:
     printed = [printed_average(3, "distance"), printed_average(4, "position")]
     lengths = tuple(
         Evidence(
-            what=f"mean horizontal lever arm, and printed closing error, method {k + 1}",
+            what=f"mean horizontal lever arm, and published closing error, method {k + 1}",
             first_from="lever arm, Table 1",
             first=arms[k],
             second_from=f"closing error, Table {k + 3}",

@@ -181,7 +181,7 @@ def open_choices(sampling_rate_hz: float) -> dict[str, Labelling]:
     return {
         "first frames as in the tool": other(edge="tool"),
         f"one offset instead of {segment}": step_1(one_offset),
-        "yaw rate > 40, as printed (tool: >=)": other(settings=above),
+        "yaw rate > 40, as in the document (tool: >=)": other(settings=above),
         "radius from °/s": other(settings=in_degrees),
         "radius from means, not mean of radii": step_1(radius_of_means),
         "no step 4": other(look=0),

@@ -204,7 +204,7 @@ def _table_2() -> list[Claim]:
             compute=lambda: float(open_combinations()),
             n=36,
             tolerance=0.0,
-            tolerance_reason="a count of printed letters",
+            tolerance_reason="a count of the document's letters",
             finding="W6",
         ),
     ]
@@ -397,5 +397,5 @@ def _chronogram() -> Claim:
             "Finally, chronograms are a simple way to present the results, with each color "
             "representing a locomotor task."
         ),
-        reason="printed in the figure, which our text copy lacks; its recording is not published",
+        reason="shown in the figure, which our text copy lacks; its recording is not published",
     )

@@ -185,7 +185,7 @@ def _wheel_angles() -> list[Claim]:
 def _our_printed_form(equations: str, angles: Callable[..., AlignmentAngles]) -> Claim:
     return _claim(
         equations,
-        "largest difference of the printed angles from our function's printed form",
+        "largest difference of the document's angles from our function in that form",
         lambda: _largest(
             np.subtract(printed_angles(u), angles(u, form="printed")) for u in _directions()
         ),

@@ -95,7 +95,7 @@ def _tool_claims() -> list[Claim]:
     return [
         _tool_claim(
             "public tool, velocity",
-            "largest difference before slip correction, camber term as printed",
+            "largest difference before slip correction, camber term as in the document",
             "m/s",
             partial(_velocity_difference, "printed"),
             reference=0.0,
@@ -115,7 +115,7 @@ def _tool_claims() -> list[Claim]:
         ),
         _tool_claim(
             "public tool, slip",
-            "frames flagged, camber term as printed",
+            "frames flagged, camber term as in the document",
             "%",
             lambda folder: 100 * float(cached_sample(folder)[1]["printed"].slip.mean()),
             reference=100 * 3670 / SAMPLE_FRAMES,
@@ -207,7 +207,7 @@ def _sample_rows() -> list[Claim]:
             **gain,
         ),
         _sample_claim(
-            "equation (1.17) as printed",
+            "equation (1.17) as in the document",
             "velocity over the driven one; both sensors face inward",
             printed_velocity_gain,
             reference=-1.0,

@@ -82,9 +82,9 @@ def facing_of_the_sensor() -> Evidences:
     return (
         Evidence(
             what="aligned z axis along Figure 1's axle, worst of 2 × 1000 tilted sensors",
-            first_from="printed arctangents, sensors facing inward",
+            first_from="the document's arctangents, sensors facing inward",
             first=agreement(-1),
-            second_from="printed arctangents, sensors facing outward",
+            second_from="the document's arctangents, sensors facing outward",
             second=agreement(1),
             truth=1.0,
             tolerance=1e-9,
@@ -93,7 +93,7 @@ def facing_of_the_sensor() -> Evidences:
             what="the same, sensors facing outward",
             first_from="atan2, which follows the sign of the push",
             first=agreement(1, "corrected"),
-            second_from="arctangents as printed",
+            second_from="arctangents as in the document",
             second=agreement(1),
             truth=1.0,
             tolerance=1e-9,
@@ -138,7 +138,7 @@ def camber_term() -> Evidences:
         *(
             Evidence(
                 what=f"the wheels' yaw rate over the true one, {turn} turn, the sample's chair",
-                first_from="printed root, the public tool's signs and distance",
+                first_from="the document's root, the public tool's signs and distance",
                 first=gain,
                 second_from="yaw rate in place of the root",
                 second=signed[yaw][1] / yaw,
@@ -221,17 +221,17 @@ def letters_without_a_task() -> Evidences:
     return (
         Evidence(
             what="combinations of letters (of 36) without a task",
-            first_from="Table 2 as printed",
+            first_from="Table 2 as in the document",
             first=float(open_combinations()),
             second_from="the public tool's rule and ours",
             second=float(np.count_nonzero(_codes_of_all_combinations() == 0)),
             tolerance=0.5,
         ),
         Evidence(
-            what="forward frames of 200, a chair that rocks back and forth (mean −0.025 m/s)",
+            what="forward samples of 200, a chair that rocks back and forth (mean −0.025 m/s)",
             first_from="the public tool's rule and ours",
             first=float((by_rule == Task.FORWARD).sum()),
-            second_from="frames with the letter c for the velocity, as Table 2 requires",
+            second_from="samples with the letter c for the velocity, as Table 2 requires",
             second=float((steps.symbols.velocity[middle] == "abc".index("c")).sum()),
             tolerance=0.5,
         ),
@@ -252,7 +252,7 @@ def isolated_task() -> Evidences:
 
     return (
         Evidence(
-            what="frames of a wide turn of 200 that remain",
+            what="samples of a wide turn of 200 that remain",
             first_from='"any isolated task", without a length',
             first=left(len(trial)),
             second_from='"a single segment", the document\'s example (0.25 s)',
@@ -306,7 +306,7 @@ def exactly_at_the_limit() -> Evidences:
 
     return (
         Evidence(
-            what="frames of 200 that count as turning at exactly 40 °/s",
+            what="samples of 200 that count as turning at exactly 40 °/s",
             first_from="limit counted as c (the public tool)",
             first=turning(limit * (1 - 1e-12)),
             second_from="limit counted as b",
@@ -349,7 +349,7 @@ def reach_of_step_4() -> Evidences:
     half, tool = 0.15, TaskSettings().look_s
     return (
         Evidence(
-            what="forward frames, start and stop of 0.5 s each",
+            what="forward samples, start and stop of 0.5 s each",
             first_from="reach of 0.15 s",
             first=forward(half, 0.5),
             second_from="reach of 0.30 s, the public tool's at 100 Hz",
@@ -357,7 +357,7 @@ def reach_of_step_4() -> Evidences:
             tolerance=0.5,
         ),
         Evidence(
-            what="forward frames, start and stop of 1.5 s each",
+            what="forward samples, start and stop of 1.5 s each",
             first_from="reach of 0.15 s",
             first=forward(half, 1.5),
             second_from="reach of 0.30 s",
@@ -377,7 +377,7 @@ def first_frames() -> Evidences:
 
     return (
         Evidence(
-            what="frames called static of a trial at a constant 1 m/s",
+            what="samples called static of a trial at a constant 1 m/s",
             first_from="the public tool's rule",
             first=still("tool"),
             second_from="only segments that cover a frame vote",
