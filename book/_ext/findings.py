@@ -16,7 +16,10 @@ import mobility_imu.reproduction.findings as source
 
 DATA = Path(source.__file__).with_name("findings.toml")
 READING = "The interpretation in which the authors are right"
-READINGS = {"silence": "What is most natural to assume"}
+READINGS = {
+    "silence": "What is most natural to assume",
+    **dict.fromkeys(("contradiction", "error", "our copy"), "What speaks for the authors"),
+}
 """What the reading of a finding is, by its kind; READING for the others."""
 
 

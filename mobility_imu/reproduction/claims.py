@@ -2,7 +2,7 @@
 
 Two columns are kept apart. *Published* is what the work prints, digit by digit, and each such row
 names the table's cell or quotes the sentence. *Reference* is what a number has to be for another
-reason: what the public tool answered, 1 for a ratio that should be 1, a count of ours.
+reason: what the public tool answered, 1 for a ratio that should be 1.
 """
 
 from __future__ import annotations

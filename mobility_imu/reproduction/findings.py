@@ -25,7 +25,7 @@ KINDS: dict[Kind, str] = {
     "error": "the text has only one meaning, and it is wrong",
     "ambiguity": "the text can mean two things, and does not say which",
     "silence": "the text does not state something that matters",
-    "our copy": "a single character or number: our text copy may be wrong, not the original",
+    "our copy": "a character, word or number is wrong, but perhaps only in our text copy",
 }
 """Kinds of findings and what each means."""
 

@@ -62,25 +62,27 @@ WORK_VERDICTS = (
         "partial",
         "The equations are right, and geometry explains most errors of one IMU at rest. To check "
         "the errors of two IMUs and the driving test, one needs the readings. They are not "
-        "published (the paper offers them on request; we have not asked). In our simulation the "
-        "statements on the driving test are true for some scooters only.",
+        "published (the paper offers them on request; we have not asked). In our simulation, many "
+        "statements on the driving test are true for a part of the scooters only, two for none.",
     ),
     WorkVerdict(
         "wheelchair",
         "reproduction",
         "partial",
-        "We reproduced the answers of the public tool, not a study: our labels equal the tool's in "
-        "every sample. The document contains no results. The term for camber must be changed "
-        "before the wheels show the right yaw rate.",
+        "We reproduced the answers of the public tool, not a study; the document contains no "
+        "results. With the tool's rule for the start of a trial, our task labels equal the tool's "
+        "at each moment of the two series that we compared (the public sample and a made-up "
+        "series). The term for camber must be changed before the wheels show the right yaw rate.",
     ),
     WorkVerdict(
         "walker",
         "replication",
         "partial",
         "The calibration works in simulation, and 58 of the 60 averages in the tables are right "
-        "to the last digit (59 within one unit). To check the distances and closing errors, one "
-        "needs the recordings. They are not published. The closing errors also depend on where the "
-        "IMU is fixed on the frame (finding K6), so a reproduction should compare other numbers.",
+        "to the last digit; one more is wrong by one unit of this digit only. To check the "
+        "distances and closing errors, one needs the recordings. They are not published. The "
+        "closing errors also depend on where the IMU is fixed on the frame (finding K6), so a "
+        "reproduction should compare other numbers.",
     ),
 )
 """One verdict for each work; the scorecard's page defines the scale."""

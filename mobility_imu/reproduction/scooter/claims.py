@@ -133,7 +133,7 @@ def _coloured() -> list[Claim]:
             what="condition with the largest MAE of the panel",
             unit="-",
             source=COLOURED,
-            reason="the legend stands in the figure, which our text copies lack; by Table 1 it "
+            reason="the legend is in the figure, which our text copies lack; by Table 1 it "
             f"must be {largest_mae(mode, columns)}",
             n=5 * len(columns),
         )

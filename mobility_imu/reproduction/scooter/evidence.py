@@ -43,7 +43,7 @@ def range_of_the_throttle() -> Evidences:
         ),
         Evidence(
             what="largest 90 % error in percent of the range",
-            first_from="stated limit, range of exactly 40°",
+            first_from="stated limit of 5°, range of exactly 40°",
             first=100 * limit / stated,
             second_from="as in the paper",
             second=share,
@@ -72,7 +72,7 @@ def steering_about_a_vertical_axis() -> Evidences:
 
     return (
         Evidence(
-            what="change of the lever's reading as the wheel turns from −45° to 45°",
+            what="change of the lever's reading while the steering wheel turns from −45° to 45°",
             first_from='steering axis vertical, throttle axis level ("at least one")',
             first=change(0.0),
             second_from='neither axis vertical, the test scooter ("neither")',
@@ -131,7 +131,7 @@ def right_side_slope() -> Evidences:
             first=float(
                 printed["right", column, "single_mae"] - printed["right", column, "dual_mae"]
             ),
-            second_from="shift by the side slope, geometry alone",
+            second_from="change that the side slope causes, by geometry",
             second=float(ours["right", column, "single_mae"]),
             tolerance=0.25,
             unit="deg",
@@ -165,7 +165,7 @@ def meaning_of_the_sd() -> Evidences:
     error = np.rad2deg(estimate_angles(reading, None, SUZUKI_ET4D).steering_rad - wheel)
     return (
         Evidence(
-            what="SD of cell 2-a by geometry alone",
+            what="SD of cell 2-a (published: 9.30°), by geometry",
             first_from="SD of the signed error",
             first=float(error.std(ddof=1)),
             second_from="SD of the absolute error",
@@ -234,7 +234,7 @@ def merit_over_subtraction() -> Evidences:
     at_rest = tuple(
         Evidence(
             what=f"mean absolute steering error, {what}",
-            first_from="equations 6 and 7",
+            first_from="the paper's form (equations 6 and 7)",
             first=dual,
             second_from="subtraction",
             second=subtraction,
@@ -249,10 +249,10 @@ def merit_over_subtraction() -> Evidences:
     return (
         *at_rest,
         Evidence(
-            what="pairs of scooter and course (of 100) with the smaller steering error, simulated",
-            first_from="subtraction",
+            what="pairs of scooter and course, of 100, with the smaller 90 % error of steering",
+            first_from="subtraction, simulated",
             first=float(wins),
-            second_from="equations 6 and 7",
+            second_from="the paper's form, simulated",
             second=float(100 - wins),
             relation="first above",
         ),

@@ -392,7 +392,7 @@ def _not_tested() -> list[Claim]:
             "%",
             basis="not reproducible",
             source=Quotation("there is no significant reduction in the accuracy of the distance"),
-            reason="the spread of the earlier results is not published: 1.3 and 1.5 points of "
+            reason="the spread of the earlier results is not given: 1.3 and 1.5 points of "
             "accuracy less are about twice the error, and both views are fair",
             experiment=True,
             finding="K19",

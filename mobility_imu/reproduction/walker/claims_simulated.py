@@ -298,7 +298,7 @@ def _second_method_better() -> list[Claim]:
         found.append(
             _row(
                 f"section 3, second method better, level {level}, velocity taken at {tilt:g} deg",
-                "share of calibrations whose position by the second method is nearer to the truth",
+                "calibrations whose position by the second method is nearer to the truth",
                 "of 1",
                 partial(lambda r: float(r["share"]), row),
                 source=Quotation(

@@ -50,7 +50,7 @@ def matrix_of_a_quaternion() -> Evidences:
 
     return (
         Evidence(
-            what="largest entry of abs(CC' − I), median of 200 attitudes",
+            what="largest entry of |CC' − I| (0 for a rotation C), median of 200 attitudes",
             first_from="as our copy has it",
             first=defect(rotation_world_to_imu(attitudes, form="printed")),
             second_from="q(2)q(3) in both entries",
@@ -120,10 +120,10 @@ def accelerometer_bias() -> Evidences:
     truth = columns[3:, 3:]
     return (
         Evidence(
-            what="difference of the block from the difference quotient (largest entry)",
+            what="largest difference of the block in A from finite differences",
             first_from="0, as in the paper",
             first=float(np.abs(printed[9:12, 12:15] - truth).max()),
-            second_from="−C'(q̂), the factor of the noise in the same place",
+            second_from="−C'(q̂), the factor of the noise",
             second=float(np.abs(corrected[9:12, 12:15] - truth).max()),
             truth=0.0,
             tolerance=1e-6,
@@ -199,8 +199,8 @@ def what_the_rectangle_tests() -> Evidences:
 
     return (
         Evidence(
-            what="change of the closing error by an error of T of 100 mm",
-            first_from="round that ends with its first heading",
+            what="change of the closing error of a round, by an error of T of 100 mm",
+            first_from="last corner turned: the round ends with its first heading",
             first=effect_mm(0.0),
             second_from="last corner not turned",
             second=effect_mm(270.0),
@@ -208,10 +208,12 @@ def what_the_rectangle_tests() -> Evidences:
             unit="mm",
         ),
         Evidence(
-            what="rounds of thirty, by the direction in which Tables 3 and 4 differ",
-            first_from=f"end a quarter turn from the start (mean {headings[late].mean():.0f}°)",
+            what="rounds of thirty by final heading, from the direction in which Tables 3 and 4 "
+            "differ",
+            first_from="near a quarter turn from the first heading "
+            f"(mean {headings[late].mean():.0f}°)",
             first=float(late.sum()),
-            second_from="end near their first heading",
+            second_from="near the first heading",
             second=float((np.abs(headings) < 30).sum()),
             relation="first above",
         ),
@@ -232,7 +234,7 @@ def place_of_the_scalar() -> Evidences:
     misread = np.r_[by_11[3], by_11[:3]]
     return (
         Evidence(
-            what="error of the attitude by (1), a tilt of 30° by (11)",
+            what="error of the attitude that (1) gives for a quaternion of (11), tilt of 30°",
             first_from="four numbers in the order of (11)",
             first=off_deg(misread),
             second_from="scalar moved to the place where (1) has it",
@@ -262,10 +264,10 @@ def transposes() -> Evidences:
     ]
     wrong_way = tuple(
         Evidence(
-            what=f"turn by Table 1 read the wrong way round, {name} of poses 1 to 4",
-            first_from="as body to IMU",
+            what=f"error of the attitude with the matrices of Table 1, {name} of poses 1 to 4",
+            first_from="used as body to IMU",
             first=value,
-            second_from="as IMU to body",
+            second_from="used as IMU to body",
             second=0.0,
             truth=0.0,
             tolerance=1.0,
@@ -275,8 +277,8 @@ def transposes() -> Evidences:
     )
     return (
         Evidence(
-            what="error of the mount by (7), a simulated mount turned by 40°",
-            first_from="factor of (2): body to world",
+            what="error of the mount by (7), simulated, heading of the frame 40°",
+            first_from="(2) put into (7): body to world",
             first=off_deg(as_in_2),
             second_from="lower index as the target: world to body",
             second=off_deg(rotation_imu_to_body(body_to_world, q_1)),
@@ -299,9 +301,9 @@ def axis_of_a_tilt() -> Evidences:
     return (
         Evidence(
             what="direction of the axis along y of a tilt by +30°, signs of (10)",
-            first_from="matrix from the end to the beginning, as (9) says",
+            first_from="matrix from the end to the beginning, as the words before (9)",
             first=axis_by_10(end_to_start),
-            second_from="matrix in the sense of (1)",
+            second_from="matrix from the old to the new axes, as (1)",
             second=axis_by_10(end_to_start.T),
             truth=1.0,
             tolerance=0.1,

@@ -36,7 +36,7 @@ def _entry(pose: str) -> Evidence:
         return float(np.abs(matrix @ matrix.T - np.eye(3)).max())
 
     return Evidence(
-        what=f"largest entry of abs(CC' − I), pose {pose}",
+        what=f"largest entry of |CC' − I| (0 for a rotation C), pose {pose}",
         first_from=f"entry ({repair.row + 1},{repair.column + 1}) = {repair.printed:.4f}",
         first=defect(printed),
         second_from=f"{repair.value:.4f} in its place",
@@ -75,7 +75,7 @@ def entry_of_pose_2() -> Evidences:
     return (
         _entry("2"),
         Evidence(
-            what="nearest rotation against the repaired one",
+            what="angle between the nearest rotation and the repaired one",
             first_from="matrix as our copy has it",
             first=off_deg(printed),
             second_from="matrix repaired",
@@ -124,8 +124,9 @@ def difference_of_tables_3_and_4() -> Evidences:
     )
     ratios = tuple(
         Evidence(
-            what=f"difference of the closing errors over the lever arm, {name} of thirty rounds",
-            first_from="(27) at both ends, a round that ends as it began",
+            what="difference of the two closing errors, divided by the length of T1 − T2, "
+            f"horizontal: {name} of thirty rounds",
+            first_from="(27), a round that ends with its first heading",
             first=float(same_heading),
             second_from="Tables 1, 3 and 4",
             second=float(value),
@@ -141,10 +142,10 @@ def difference_of_tables_3_and_4() -> Evidences:
     printed = [printed_average(3, "distance"), printed_average(4, "position")]
     lengths = tuple(
         Evidence(
-            what=f"mean horizontal lever arm, and published closing error, method {k + 1}",
+            what=f"mean length of the horizontal lever arm, and mean closing error, method {k + 1}",
             first_from="lever arm, Table 1",
             first=arms[k],
-            second_from=f"closing error, Table {k + 3}",
+            second_from=f"closing error, as published in Table {k + 3}",
             second=printed[k],
             tolerance=0.1,
             unit="m",
@@ -188,7 +189,7 @@ def difference_of_the_methods() -> Evidences:
     by_pose = second - first
     return (
         Evidence(
-            what="mean closing error, second minus first method",
+            what="mean closing error, second method minus first method",
             first_from="all thirty rounds",
             first=float(by_pose.mean()),
             second_from="pose that differs most",
@@ -197,16 +198,16 @@ def difference_of_the_methods() -> Evidences:
             unit="m",
         ),
         Evidence(
-            what="the same, by pose",
-            first_from="pose in which the second method is best",
+            what="the same difference, by pose",
+            first_from="pose that is best for the second method",
             first=float(by_pose.min()),
-            second_from="pose in which the second method is worst",
+            second_from="pose that is worst for the second method",
             second=float(by_pose.max()),
             unit="m",
             relation="first below",
         ),
         Evidence(
-            what="mean distance of the two positions, and difference of the mean closing errors",
+            what="distance of the two positions (mean), and difference of the mean closing errors",
             first_from="distance of T1 and T2, Table 1",
             first=float(np.mean([_apart(pose) for pose in POSES])),
             second_from="difference of the mean closing errors",
@@ -226,7 +227,7 @@ def accuracy_and_error() -> Evidences:
     before, now = quoted("K19", r"approximately ([0-9.]+)% in"), quoted("K19", r"and ([0-9.]+)% in")
     return (
         Evidence(
-            what="ratio of the result now to the result before",
+            what="result now divided by the result before (98.3 %, [10])",
             first_from="as accuracies",
             first=now / before,
             second_from="as errors",

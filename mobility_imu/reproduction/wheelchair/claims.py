@@ -172,7 +172,7 @@ def _table_2() -> list[Claim]:
     cells = [
         _claim(
             f"Table 2, {task}, {signal.replace('_', ' ')}",
-            f"fraction of the frames that we call {task}, of those the table names, with this "
+            f"fraction of the samples that we call {task}, of those the table names, with this "
             f"letter ({letter})",
             "-",
             basis="published numbers recomputed",
@@ -282,7 +282,7 @@ def _statements() -> list[Claim]:
     return [
         _claim(
             "section 2, rotations",
-            "frames whose label stays when every turn is mirrored",
+            "samples whose label stays when every turn is mirrored",
             "-",
             basis="computed on simulated data",
             source=Quotation("Rotations are detected independently of the rotation direction."),
@@ -304,12 +304,12 @@ def _statements() -> list[Claim]:
             compute=lambda: len(task_codes(np.ones(137), np.zeros(137), FS_HZ)) / 137,
             n=137,
             tolerance=0.0,
-            tolerance_reason="a count of frames",
+            tolerance_reason="a count of samples",
         ),
         _claim(
             "section 2.5, step 5",
             "longest wide turn that is absorbed between two straights at 100 Hz",
-            "frames",
+            "samples",
             basis="computed on simulated data",
             source=Quotation(
                 "a single segment of wide turn appeared in between, that wide turn would be "
@@ -319,8 +319,8 @@ def _statements() -> list[Claim]:
             reference_from="a single segment of 0.25 s, the document's example",
             compute=_longest_absorbed,
             tolerance=0.0,
-            tolerance_reason="a count of frames; the public tool, which we follow, absorbs what is "
-            "shorter than a segment, so that one segment exactly stays",
+            tolerance_reason="a count of samples; the public tool, which we follow, absorbs what "
+            "is shorter than a segment, so that one segment exactly stays",
             finding="W7",
         ),
     ]
@@ -390,8 +390,8 @@ def _tasks_on_court() -> float:
 def _chronogram() -> Claim:
     return _claim(
         "section 2.6, step 6",
-        "chronogram of six tasks over about 590 frames",
-        "frames",
+        "chronogram of six tasks over about 590 samples",
+        "samples",
         basis="not reproducible",
         source=Quotation(
             "Finally, chronograms are a simple way to present the results, with each color "

@@ -449,8 +449,8 @@ def _velocity_and_yaw() -> list[Claim]:
         "tolerance": 0.01,
         "tolerance_reason": KNOWN,
     }
-    straight = "velocity over the true one, straight line, sensors facing"
-    distance = "yaw rate over the true one, spins corrected exactly, d between the"
+    straight = "velocity divided by the true one, straight line, sensors facing"
+    distance = "yaw rate divided by the true one, spins corrected exactly, d between the"
     return [
         _claim(
             "equation (1.17)",

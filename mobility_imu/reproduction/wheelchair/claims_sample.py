@@ -68,8 +68,8 @@ def _label_claims() -> list[Claim]:
         rows.append(
             _claim(
                 "public tool, task labels",
-                f"frames labelled otherwise: {reference.what}{needs}",
-                "frames",
+                f"samples labelled otherwise: {reference.what}{needs}",
+                "samples",
                 basis="computed on simulated data"
                 if reference.bundled
                 else "computed on the public sample",
@@ -115,12 +115,12 @@ def _tool_claims() -> list[Claim]:
         ),
         _tool_claim(
             "public tool, slip",
-            "frames flagged, camber term as in the document",
+            "samples flagged, camber term as in the document",
             "%",
             lambda folder: 100 * float(cached_sample(folder)[1]["printed"].slip.mean()),
             reference=100 * 3670 / SAMPLE_FRAMES,
             tolerance=0.5,
-            tolerance_reason=f"{known} (0.25): frames at the threshold flip with differences of "
+            tolerance_reason=f"{known} (0.25): samples at the threshold flip with differences of "
             "0.003 rad/s",
             finding="W3",
         ),

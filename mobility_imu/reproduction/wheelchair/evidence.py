@@ -53,7 +53,7 @@ def resting_acceleration() -> Evidences:
 
     return (
         Evidence(
-            what="aligned z axis along the true vertical, (1.12) with atan2",
+            what="component of the aligned z axis along the true upward axis, (1.12) with atan2",
             first_from="sensor that reports specific force (+g at rest)",
             first=up(force),
             second_from="sensor that reports gravity (−g at rest)",
@@ -81,7 +81,8 @@ def facing_of_the_sensor() -> Evidences:
 
     return (
         Evidence(
-            what="aligned z axis along Figure 1's axle, worst of 2 × 1000 tilted sensors",
+            what="component of the aligned z axis along Figure 1's outward axle, smallest of 1000 "
+            "tilted sensors on each side",
             first_from="the document's arctangents, sensors facing inward",
             first=agreement(-1),
             second_from="the document's arctangents, sensors facing outward",
@@ -90,8 +91,8 @@ def facing_of_the_sensor() -> Evidences:
             tolerance=1e-9,
         ),
         Evidence(
-            what="the same, sensors facing outward",
-            first_from="atan2, which follows the sign of the push",
+            what="the same component, sensors facing outward",
+            first_from="atan2, which follows the sign of the push (right wheel)",
             first=agreement(1, "corrected"),
             second_from="arctangents as in the document",
             second=agreement(1),
@@ -137,7 +138,7 @@ def camber_term() -> Evidences:
     return (
         *(
             Evidence(
-                what=f"the wheels' yaw rate over the true one, {turn} turn, the sample's chair",
+                what=f"the wheels' yaw rate divided by the true one, {turn} turn, sample's chair",
                 first_from="the document's root, the public tool's signs and distance",
                 first=gain,
                 second_from="yaw rate in place of the root",
@@ -151,8 +152,8 @@ def camber_term() -> Evidences:
             )
         ),
         Evidence(
-            what="larger of speed error (m/s) and yaw rate error (rad/s), both turns at 1 rad/s",
-            first_from="best of four fixed choices of signs and two distances",
+            what="largest error of speed (m/s) or yaw rate (rad/s), left and right turn at 1 rad/s",
+            first_from="best of the eight combinations: four choices of fixed signs, two distances",
             first=min(worst(choice) for choice in choices),
             second_from="the sign that fits side and turn",
             second=max(max(abs(v), abs(w - yaw)) for yaw, (v, w) in signed.items()),
@@ -201,9 +202,9 @@ def unit_in_the_radius() -> Evidences:
     return (
         Evidence(
             what="radius at 1 m/s and 60 °/s",
-            first_from="yaw rate in °/s, as listed",
+            first_from="(2.1) with the yaw rate in °/s, as listed",
             first=float(curvature_radius(1.0, 60.0)),
-            second_from="yaw rate in rad/s",
+            second_from="(2.1) with the yaw rate in rad/s",
             second=float(curvature_radius(1.0, np.deg2rad(60.0))),
             truth=circumference / (2 * np.pi),
             tolerance=1e-9,
@@ -220,7 +221,7 @@ def letters_without_a_task() -> Evidences:
     by_rule = find_pattern(steps.symbols)[middle]
     return (
         Evidence(
-            what="combinations of letters (of 36) without a task",
+            what="combinations of letters without a task, of 36",
             first_from="Table 2 as in the document",
             first=float(open_combinations()),
             second_from="the public tool's rule and ours",
@@ -228,10 +229,10 @@ def letters_without_a_task() -> Evidences:
             tolerance=0.5,
         ),
         Evidence(
-            what="forward samples of 200, a chair that rocks back and forth (mean −0.025 m/s)",
-            first_from="the public tool's rule and ours",
+            what="samples, of 200, while a chair rocks back and forth (mean speed −0.025 m/s)",
+            first_from="called forward by the public tool's rule and ours",
             first=float((by_rule == Task.FORWARD).sum()),
-            second_from="samples with the letter c for the velocity, as Table 2 requires",
+            second_from="with the letter c for the speed, as Table 2 requires for forward",
             second=float((steps.symbols.velocity[middle] == "abc".index("c")).sum()),
             tolerance=0.5,
         ),
@@ -252,7 +253,7 @@ def isolated_task() -> Evidences:
 
     return (
         Evidence(
-            what="samples of a wide turn of 200 that remain",
+            what="samples of a wide turn between straights that remain after step 5, of 200",
             first_from='"any isolated task", without a length',
             first=left(len(trial)),
             second_from='"a single segment", the document\'s example (0.25 s)',
@@ -267,7 +268,7 @@ def vertical_axis() -> Evidences:
     upward = np.array([0.0, 0.0, 1.0])  # of the chair's frame in this package
     return (
         Evidence(
-            what="component of the axis called Z along the vertical",
+            what="component along the vertical of the chair's axis called Z",
             first_from="Figure 1 (Y up, Z to the right)",
             first=float(upward @ DOCUMENT_TO_CHAIR[:, 2]),
             second_from='section 1.1.2 ("oriented upward")',
@@ -283,7 +284,7 @@ def distance_in_the_yaw_rate() -> Evidences:
     by_contacts = _signed(1.0)[1]
     return (
         Evidence(
-            what="yaw rate by (1.18) over the true one, spins corrected for camber",
+            what="yaw rate by (1.18) divided by the true one, spins corrected for camber",
             first_from="d between the wheels' centres",
             first=by_contacts * chair.track_m / chair.wheel_centre_distance_m,
             second_from="d between the contacts",
@@ -307,9 +308,9 @@ def exactly_at_the_limit() -> Evidences:
     return (
         Evidence(
             what="samples of 200 that count as turning at exactly 40 °/s",
-            first_from="limit counted as c (the public tool)",
+            first_from="limit gets the letter c, turning (the public tool)",
             first=turning(limit * (1 - 1e-12)),
-            second_from="limit counted as b",
+            second_from="limit gets the letter b",
             second=turning(limit * (1 + 1e-12)),
             tolerance=0.5,
         ),
@@ -349,7 +350,7 @@ def reach_of_step_4() -> Evidences:
     half, tool = 0.15, TaskSettings().look_s
     return (
         Evidence(
-            what="forward samples, start and stop of 0.5 s each",
+            what="samples called forward, drive with a start and a stop of 0.5 s each",
             first_from="reach of 0.15 s",
             first=forward(half, 0.5),
             second_from="reach of 0.30 s, the public tool's at 100 Hz",
@@ -357,7 +358,7 @@ def reach_of_step_4() -> Evidences:
             tolerance=0.5,
         ),
         Evidence(
-            what="forward samples, start and stop of 1.5 s each",
+            what="samples called forward, drive with a start and a stop of 1.5 s each",
             first_from="reach of 0.15 s",
             first=forward(half, 1.5),
             second_from="reach of 0.30 s",
@@ -377,10 +378,10 @@ def first_frames() -> Evidences:
 
     return (
         Evidence(
-            what="samples called static of a trial at a constant 1 m/s",
+            what="samples that are called static, in a trial at a constant 1 m/s",
             first_from="the public tool's rule",
             first=still("tool"),
-            second_from="only segments that cover a frame vote",
+            second_from="only segments that contain the sample vote",
             second=still("covering"),
             truth=0.0,
             tolerance=0.5,
