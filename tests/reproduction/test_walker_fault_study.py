@@ -11,7 +11,7 @@ from mobility_imu.reproduction.walker import faults
 from mobility_imu.reproduction.walker.fault_kinds import KINDS, TILT_KINDS
 
 RECORD = "faults_walker"
-TOLD, RIGHT, TOLD_LARGE, TILTS_ALARMED = 0.81, 0.78, 0.93, 0.03
+TOLD, RIGHT, TOLD_LARGE, TILTS_ALARMED = 0.81, 0.78, 0.93, 0.06
 
 
 @pytest.mark.parametrize("kind", ["reversed gyroscope", "clock", "rolls", "tilts, scale"])

@@ -36,7 +36,7 @@ def range_of_the_throttle() -> Evidences:
             what="largest 90 % error of the throttle",
             first_from="11.3 % is the measured error, range of exactly 40°",
             first=share / 100 * stated,
-            second_from='11.3 % is the stated limit, range "approximately" 40°',
+            second_from='at most, if 11.3 % is the stated limit, range "approximately" 40°',
             second=limit,
             tolerance=0.05,
             unit="deg",

@@ -208,8 +208,7 @@ def what_the_rectangle_tests() -> Evidences:
             unit="mm",
         ),
         Evidence(
-            what="rounds of thirty by final heading, from the direction in which Tables 3 and 4 "
-            "differ",
+            what="rounds of thirty by final heading, if only the end was corrected (K6)",
             first_from="near a quarter turn from the first heading "
             f"(mean {headings[late].mean():.0f}°)",
             first=float(late.sum()),
@@ -303,7 +302,7 @@ def axis_of_a_tilt() -> Evidences:
             what="direction of the axis along y of a tilt by +30°, signs of (10)",
             first_from="matrix from the end to the beginning, as the words before (9)",
             first=axis_by_10(end_to_start),
-            second_from="matrix from the old to the new axes, as (1)",
+            second_from="matrix from the beginning to the end",
             second=axis_by_10(end_to_start.T),
             truth=1.0,
             tolerance=0.1,

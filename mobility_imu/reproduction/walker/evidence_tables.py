@@ -53,7 +53,7 @@ def entry_of_pose_1() -> Evidences:
     return (
         _entry("1"),
         Evidence(
-            what="excess of the matrix' largest entry over 1",
+            what="excess over 1 of the largest size of an entry",
             first_from="as in the paper",
             first=max(printed - 1, 0.0),
             second_from="repaired",
