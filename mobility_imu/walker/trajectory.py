@@ -64,7 +64,7 @@ class Trajectory(Result):
     position_m : (n, 3) array, m, middle of the rear tips, 0 at the start
     rotation_body_to_world : (n, 3, 3) array
     stationary : (n,) bool array
-    position_sd_m : (n, 3) array, m, standard deviation of the position along each axis; with the
+    position_sd_m : (n, 3) array, m, standard deviation of the position along each axis; with
         what wrong scales of the sensor do to lengths and headings (``scale_sd``), and the mount's
         errors, as far as the mount states them, but not with creep or slip of the tips, which no
         IMU sees

@@ -118,6 +118,9 @@ def test_the_page_states_how_many_speeds_of_real_chairs_are_within_twice_their_d
     assert "98 % of the speeds are within twice their deviation" in page
     assert "in the held-back trials 97 %." in page
     assert "In the trials that the choice left out, 89 % are." in page
+    dropped = recorded.numbers("dropped_chairs")["summary"]["speed_sd_over_rms"]["median"]
+    assert round(1 / dropped, 1) == 3.5
+    assert "the rms error is 3.5 times the stated deviation (median)" in page
 
 
 def test_a_fault_that_was_found_is_named_where_the_estimate_refuses(tmp_path, fails):
