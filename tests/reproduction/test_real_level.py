@@ -33,7 +33,7 @@ def test_the_first_one_comes_out_as_recorded(name, compute):
 
 
 def test_the_walkers_intervals_hold_if_the_scale_of_real_sensors_is_stated():
-    """95 % are stated, of 60 numbers of the mounts and 40 of each walk. Creep is not in the deviations."""
+    """95 % are stated; creep of the tips is not in the deviations."""
     found = RECORD["walker"]["real"]
     for name in ("mount", "rectangle_end"):
         assert found[f"{name}_covered_if_stated"] > max(found[f"{name}_covered"], 0.9)
