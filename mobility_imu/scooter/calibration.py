@@ -258,33 +258,20 @@ def mount_from_poses(
     body = _directions([p.body_acc_mps2 for p in poses], "body_acc_mps2")
     steering = np.array([p.steering_rad for p in poses])
     throttle = np.array([p.throttle_rad for p in poses])
-
-    stops = _Stops.of(steering, throttle)
-
-    def apart(turns: FloatArray, faults: FloatArray) -> FloatArray:
-        """Misfit of eq. 5 with faults: of the stops' angles, then bias and axes of each sensor."""
-        off, of_lever, of_body = faults[:-24], faults[-24:-12], faults[-12:]
-        seen = _spoilt(lever, of_lever) @ Rotation.from_rotvec(turns[:3]).as_matrix().T
-        upright = _spoilt(body, of_body) @ Rotation.from_rotvec(turns[3:]).as_matrix().T
-        believed = stops.steering(steering, off), stops.throttle(throttle, off)
-        return np.asarray((seen - lever_acceleration(upright, *believed, geometry)).ravel())
-
-    none = np.zeros(stops.number + 24)
+    held = _Held(lever, body, steering, throttle, _Stops.of(steering, throttle), geometry)
     fit = MountFit(
         lever, body, rotation_lever_to_body(steering, throttle, geometry), pose_sd, prior_sd
     )
     found = fit.solved()
-    spread = _fault_deviations(stops.number, pose_sd)
-    step = 1e-5 * np.eye(len(none))
-    by_fault = [(apart(found.x, d) - apart(found.x, -d)) / 2e-5 for d in step]
+    by_faults = held.by_faults(found.x) * _fault_deviations(held.stops.number, pose_sd) / pose_sd
     try:
-        sd, usual = _standard_deviations(found.jac, np.transpose(by_fault) * spread / pose_sd)
+        sd, usual = _standard_deviations(found.jac, by_faults)
     except np.linalg.LinAlgError:
         raise InputError(
             f"pose_sd_rad = {pose_sd:g}, prior_sd_rad = {prior_sd:g}: with them the poses tell no "
             "mount; expected angles of stops and mounts, in rad"
         ) from None
-    left = apart(found.x, none)
+    left = held.apart(found.x, held.none)
     apart_rad = rms(np.linalg.norm(left.reshape(-1, 3), axis=1))
     if apart_rad > LARGEST_MISFIT_RAD:
         sd = sd * max(1.0, rms(left) / (usual * pose_sd))
@@ -457,6 +444,38 @@ class _Stops(NamedTuple):
     def throttle(self, angle_rad: FloatArray, off_rad: FloatArray) -> FloatArray:
         """Throttle angle of each pose with the errors of the stops added."""
         return np.asarray(angle_rad + off_rad[self.of_throttle])
+
+
+class _Held(NamedTuple):
+    """Directions that both sensors read in the poses, and the angles that are stated."""
+
+    lever: FloatArray
+    body: FloatArray
+    steering: FloatArray
+    throttle: FloatArray
+    stops: _Stops
+    geometry: ScooterGeometry
+
+    @property
+    def none(self) -> FloatArray:
+        """Faults that are all zero: of the stops' angles, then bias and axes of each sensor."""
+        return np.zeros(self.stops.number + 24)
+
+    def apart(self, turns: FloatArray, faults: FloatArray) -> FloatArray:
+        """Misfit of eq. 5 with faults, in the order of :attr:`none`."""
+        off, of_lever, of_body = faults[:-24], faults[-24:-12], faults[-12:]
+        seen = _spoilt(self.lever, of_lever) @ Rotation.from_rotvec(turns[:3]).as_matrix().T
+        upright = _spoilt(self.body, of_body) @ Rotation.from_rotvec(turns[3:]).as_matrix().T
+        steering = self.stops.steering(self.steering, off)
+        throttle = self.stops.throttle(self.throttle, off)
+        expected = lever_acceleration(upright, steering, throttle, self.geometry)
+        return np.asarray((seen - expected).ravel())
+
+    def by_faults(self, turns: FloatArray) -> FloatArray:
+        """Change of the misfit by each fault, a column each."""
+        step = 1e-5 * np.eye(len(self.none))
+        changes = [(self.apart(turns, d) - self.apart(turns, -d)) / 2e-5 for d in step]
+        return np.transpose(changes)
 
 
 def _spoilt(directions: FloatArray, faults: FloatArray) -> FloatArray:
