@@ -21,16 +21,22 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from mobility_imu.recording import Recording
-    from mobility_imu.walker import Steps, Trajectory, WalkerGeometry, WalkerMount
+    from mobility_imu.walker import NavigationSettings, Steps, Trajectory, WalkerGeometry, WalkerMount
 
 app = sub_app("Walking frame: mount of the IMU, and path.")
 ScalePercent = Annotated[
     float,
     typer.Option(
-        help="Standard deviation of the sensor's scale factors: 0.3 where the maker calibrates "
-        "them, 1 or more of cheap sensors."
+        help="How well the sensor's scale factors are known (one standard deviation), and its axes "
+        "to as many hundredths of a rad: 1 of cheap sensors, 0.3 where the maker calibrates each."
     ),
 ]
+
+
+def _settings(scale_percent: float) -> NavigationSettings:
+    from mobility_imu.walker import NavigationSettings
+
+    return NavigationSettings(scale_sd=scale_percent / 100, axes_sd_rad=scale_percent / 100)
 
 
 @app.command("calibrate")
@@ -48,7 +54,7 @@ def calibrate(
         str, typer.Option(help="Tilts as they were made; some may be missing in the recording.")
     ] = "front,back,right,left",
     smooth: Smooth = True,
-    scale_percent: ScalePercent = 0.3,
+    scale_percent: ScalePercent = 1.0,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
@@ -63,7 +69,6 @@ def calibrate(
     from mobility_imu.cli.summaries import read_line, walker_mount_lines, written_line
     from mobility_imu.readers import recording_files
     from mobility_imu.walker import (
-        NavigationSettings,
         WalkerGeometry,
         calibrate_mount,
         find_tilt_faults,
@@ -80,7 +85,7 @@ def calibrate(
         "form": form,
         "order": [name.strip() for name in order.split(",")],
         "smooth": smooth,
-        "settings": NavigationSettings(scale_sd=scale_percent / 100),
+        "settings": _settings(scale_percent),
     }
     faults = find_tilt_faults(recording, frame, **options)
     tell_faults(faults, strict)
@@ -113,7 +118,7 @@ def trajectory(
             help="The walk ends where and as it began: a constraint, never evidence of accuracy.",
         ),
     ] = False,
-    scale_percent: ScalePercent = 0.3,
+    scale_percent: ScalePercent = 1.0,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,
@@ -129,14 +134,14 @@ def trajectory(
     from mobility_imu.cli.summaries import read_line, trajectory_lines, written_line
     from mobility_imu.readers import recording_files
     from mobility_imu.readers.rests import read_rests
-    from mobility_imu.walker import NavigationSettings, WalkerMount
+    from mobility_imu.walker import WalkerMount
 
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
     recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s)
     known = None if rests is None else read_rests(rests, recording.time_s)
-    settings = NavigationSettings(scale_sd=scale_percent / 100)
+    settings = _settings(scale_percent)
     options = {
         "settings": settings, "smooth": smooth, "closed_loop": closed_loop, "rests": known
     }  # fmt: skip

@@ -22,6 +22,12 @@ from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.walker.arc_fit import ArcFit, arm_noise, fit_arc
 from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.footprint import (
+    ACROSS,
+    FOOTPRINT_WORDS,
+    footprint_by_arcs,
+    footprint_warnings,
+)
 from mobility_imu.walker.geometry import (
     TILT_DIRECTIONS,
     Edge,
@@ -62,20 +68,13 @@ __all__ = [
     "calibrate_from_path",
     "calibrate_mount",
     "check_choices",
+    "with_sensor_errors",
 ]
 
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
 _METHODS: tuple[Method, ...] = ("four-tilts", "two-tilts", "all-samples")
 
-FOOTPRINT_OFF_M, OTHER_WAY_OFF_M = 0.1, 0.04
-"""Differences, in m, between a side of the footprint by the arcs and by the tape. From the first on
-the side is told; from the second on it is, if the sides fit twice as well when they are exchanged.
-Our choice: the largest error of 60 simulated calibrations of the level "realistic" is 6 cm. Of 100
-of the level "real", whose sensors have larger errors, 15 are told (at a limit of 11 cm 12, of 12 cm
-7). None of the 160 fits twice as well with its sides exchanged."""
 _VELOCITY_TILT_RAD = float(np.deg2rad(3))
-# What an edge across x or across y says: the component of the position, and opposite edges.
-_ACROSS = {"front": 0, "back": 0, "right": 1, "left": 1}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -151,8 +150,8 @@ def calibrate_mount(
     -------
     WalkerCalibration
         The standard deviations of "all-samples" hold the sensor's noise, a bias of its
-        accelerometer, and errors of its scale (``settings.scale_sd``) and of its axes
-        (MISALIGNMENT_SD_RAD); or the scatter of the arcs and the filter's attitude where that is
+        accelerometer, and errors of its scale and its axes (``settings.scale_sd`` and
+        ``axes_sd_rad``); or the scatter of the arcs and the filter's attitude where that is
         more. Edges that slip are in them as far as the arcs scatter. With 120 units of a simulated
         MTI-1 the errors are 0.9, 1.0, 0.9 of them in position, and 0.9, 1.1, 0.9 in rotation (rms).
 
@@ -184,7 +183,7 @@ def calibrate_mount(
         )
         if method != "all-samples":
             return found
-        return _with_sensor_errors(found, path, recording, lambda wrong: path_of(wrong)[0])
+        return with_sensor_errors(found, path, recording, lambda wrong: path_of(wrong)[0])
     except InputError as error:
         if str(error).startswith(recording.source):
             raise
@@ -211,7 +210,7 @@ def check_choices(
     check_order(order)
 
 
-def _with_sensor_errors(
+def with_sensor_errors(
     found: WalkerCalibration,
     path: Navigation,
     recording: Recording,
@@ -223,6 +222,23 @@ def _with_sensor_errors(
     moves the height by about 1 cm in the front and in the back tilt, and hardly in the others. What
     they do show is in their scatter, and the filter's noise factors stand in for the same errors:
     their sum would count them twice, the larger of both is stated.
+    
+    Parameters
+    ----------
+    found : WalkerCalibration by "all-samples"
+    path : Navigation that it is from
+    recording : Recording that the path is of
+    path_of : gives the path of another recording
+
+    Returns
+    -------
+    WalkerCalibration with these standard deviations, and without warnings of a footprint that
+    the sensor's errors explain
+
+    Raises
+    ------
+    InputError
+        If one of the recordings gives no path, or the deviations leave no mount.
     """
     tilts = found.tilts
     edges = [found.geometry.edge(tilt.direction) for tilt in tilts]
@@ -232,15 +248,18 @@ def _with_sensor_errors(
     noise = _noise_of_arcs(path, tilts, found.settings)
     place, _, noise_sd = _position_from_arcs(fits, tilts, edges, turn, trust, noise)
     place_var, turn_var = noise_sd**2, np.zeros(3)
-    changes = []
-    scale_sd = found.settings.scale_sd
-    for wrong in wrong_readings(recording, found.settings.acc_bias_sd_mps2, scale_sd):
+    changes, sides = [], []
+    settings = found.settings
+    for wrong in wrong_readings(
+        recording, settings.acc_bias_sd_mps2, settings.scale_sd, settings.axes_sd_rad
+    ):
         other = path_of(wrong)
         later = len(other.time_s) - len(path.time_s)
         spans = [slice(t.span.start + later, t.span.stop + later) for t in tilts]
         other_fits, other_turn = _fit_arcs(other, spans, edges)
         there, _, _ = _position_from_arcs(other_fits, tilts, edges, other_turn, trust, noise)
         changes.append(there - place)
+        sides.append(np.subtract(footprint_by_arcs(other_fits, tilts, other_turn), found.footprint_m))
         place_var = place_var + changes[-1] ** 2
         turn_var = turn_var + Rotation.from_matrix(other_turn @ turn.T).as_rotvec() ** 2
     place_sd = np.maximum(found.translation_sd_m, np.sqrt(place_var))
@@ -248,13 +267,16 @@ def _with_sensor_errors(
     check_deviations(place_sd, turn_sd)
     mount = replace(found.mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
     scale = scale_at_rest(path, recording)
-    moved = scale / scale_sd * np.sum([changes[k] for k in SCALES_OF_ACC], axis=0)
+    moved = scale / settings.scale_sd * np.sum([changes[k] for k in SCALES_OF_ACC], axis=0)
+    sides_sd = np.sqrt(np.sum(np.square(sides), axis=0))
+    others = [text for text in found.warnings if not text.startswith(FOOTPRINT_WORDS)]
+    of_sides = footprint_warnings(found.footprint_m, found.geometry, sides_sd)
     return replace(
         found,
         mount=mount,
         translation_sd_m=place_sd,
         rotation_sd_rad=turn_sd,
-        warnings=(*found.warnings, *off_scale(scale, moved, place_sd)),
+        warnings=(*others, *of_sides, *off_scale(scale, moved, place_sd)),
     )
 
 
@@ -408,7 +430,7 @@ def _from_arcs(
 ) -> WalkerCalibration:
     """Mount from axes that are fitted to the whole arcs."""
     geometry = with_.geometry
-    if {_ACROSS[tilt.direction] for tilt in tilts} != {0, 1}:
+    if {ACROSS[tilt.direction] for tilt in tilts} != {0, 1}:
         raise InputError(
             f"tilts to the {', '.join(tilt.direction for tilt in tilts)} only: 'all-samples' needs "
             "one to the front or back, and one to the right or left"
@@ -430,8 +452,8 @@ def _from_arcs(
     standing = [k for tilt in tilts for k in (tilt.span.start, tilt.span.stop - 1)]
     attitude_var = np.sum(path.sd[[0, *standing], :3] ** 2, axis=1)
     level = 2 * float(np.sqrt(attitude_var.min() / 2))
-    footprint = _footprint(fits, tilts, imu_to_body)
-    notes += _footprint_warnings(footprint, geometry)
+    footprint = footprint_by_arcs(fits, tilts, imu_to_body)
+    notes += footprint_warnings(footprint, geometry)
     return WalkerCalibration(
         _mount(imu_to_body, place),
         place_sd,
@@ -523,7 +545,7 @@ def _position_from_arcs(
         arm = imu_to_body @ fit.arm_imu_m
         spread = imu_to_body @ covariance @ imu_to_body.T
         slow = imu_to_body @ of_noise @ imu_to_body.T
-        across = _ACROSS[name]
+        across = ACROSS[name]
         values[across].append(float(arm[across] + edge.point_m[across]))
         weights[across].append(1 / max(variance * names.count(name), 1e-12))
         by_noise[across].append(float(slow[across, across]))
@@ -565,34 +587,3 @@ def _heading_sd(fits: Sequence[ArcFit], edges: Sequence[Edge], imu_to_body: Floa
             )
         )
     return float(np.std(headings, ddof=1)) / float(np.sqrt(len(headings)))
-
-
-def _footprint(
-    fits: Sequence[ArcFit], tilts: Sequence[Tilt], imu_to_body: FloatArray
-) -> tuple[float, float]:
-    """Width and length between opposite edges, NaN where only one of them was used."""
-    arms: dict[str, list[float]] = {name: [] for name in TILT_DIRECTIONS}
-    for fit, tilt in zip(fits, tilts, strict=True):
-        arms[tilt.direction].append(float((imu_to_body @ fit.arm_imu_m)[_ACROSS[tilt.direction]]))
-    middle = {name: float(np.mean(v)) if v else np.nan for name, v in arms.items()}
-    return middle["right"] - middle["left"], middle["back"] - middle["front"]
-
-
-def _footprint_warnings(footprint: tuple[float, float], geometry: WalkerGeometry) -> list[str]:
-    measured = (geometry.footprint_width_m, geometry.footprint_length_m)
-    swapped = [abs(f - m) for f, m in zip(footprint, measured[::-1], strict=True)]
-    apart = [abs(f - m) for f, m in zip(footprint, measured, strict=True)]
-    other_way = max(apart) > OTHER_WAY_OFF_M and max(swapped) < max(apart) / 2
-    hint = ""
-    if other_way:
-        hint = (
-            "; width and length fit the other way round: was the first tilt to a side, "
-            "or are they swapped in the file?"
-        )
-    return [
-        f"by the arcs the footprint's {name} is {found:.3f} m, measured {tape:.3f} m{hint}"
-        for name, found, tape, off in zip(
-            ("width", "length"), footprint, measured, apart, strict=True
-        )
-        if off > (OTHER_WAY_OFF_M if other_way else FOOTPRINT_OFF_M)
-    ]

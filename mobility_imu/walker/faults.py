@@ -12,6 +12,7 @@ multiplies the velocity, and zero stays zero.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
@@ -30,9 +31,11 @@ from mobility_imu.walker.calibration import (
     WalkerCalibration,
     calibrate_from_path,
     check_choices,
+    with_sensor_errors,
 )
 from mobility_imu.walker.fault_checks import faults_of_readings, is_held, steps_are_coarse
 from mobility_imu.walker.follow import LATEST_REST_S, checked_options, navigate_recording
+from mobility_imu.walker.footprint import FOOTPRINT_WORDS
 from mobility_imu.walker.gaps import filled_samples, gaps_in_moves, is_of_a_gap, without_samples
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
@@ -179,10 +182,11 @@ def find_tilt_faults(
     filled = filled_samples(recording)
     found = _of_sensors(recording, stillness, filled)
 
+    def path_of(changed: Recording) -> tuple[Navigation, tuple[str, ...]]:
+        return navigate_recording(changed, smooth=smooth, settings=settings, stillness=stillness)
+
     def mount_of(changed: Recording) -> tuple[Navigation, WalkerCalibration]:
-        path, warnings = navigate_recording(
-            changed, smooth=smooth, settings=settings, stillness=stillness
-        )
+        path, warnings = path_of(changed)
         return path, calibrate_from_path(
             path,
             geometry,
@@ -198,6 +202,10 @@ def find_tilt_faults(
         path, stated = mount_of(recording)
     except InputError:
         return tuple(_of_tilts(fault) for fault in found)
+    if any(text.startswith(FOOTPRINT_WORDS) for text in stated.warnings):
+        # The sensor's usual errors may be the cause. Where they leave no mount, all is told.
+        with suppress(InputError):
+            stated = with_sensor_errors(stated, path, recording, lambda wrong: path_of(wrong)[0])
     readings = _readings(recording, path.time_s, path.still)
     found += gaps_in_moves(recording, path.still, filled)
     more = faults_of_readings(recording, readings, found, stillness)

@@ -17,6 +17,8 @@ _DEG = float(np.deg2rad(1))
 SIZES = 1e-12, 1e6
 """Smallest and largest size of a setting; beyond these, squares in the filter lose all digits."""
 LONGEST_STRIDE = 10**6
+CALIBRATED_SCALE_SD, CALIBRATED_AXES_SD_RAD = 0.003, 0.1 * _DEG
+"""Of a sensor whose maker calibrates each unit. Our choice; the MTi-1's data sheet has neither."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,9 @@ class NavigationSettings:
     zero_rate : whether to make zero-rate updates, which the paper does not
     initial_gyr_mean : whether to start with the mean of the gyroscope over the first rest
     gyr_bias_prior_sd_radps : rad/s, size of the bias where the start is not that mean, but zero
-    scale_sd : 1, how well the sensor's scale factors are known; not in the filter, but in the
-        standard deviations of mount and path. What a data sheet calls typical; 0.003 is our choice
+    scale_sd, axes_sd_rad : 1 and rad, how well the sensor's scale factors and axes are known; not
+        in the filter, but in the standard deviations of mount and path. 1 % each, as data sheets
+        of cheap sensors state; see :meth:`for_calibrated_sensor`
     form : of the error dynamics, "corrected" or as "printed" in eq. 24
     moving_stride : 8, samples of a moving frame that share one step of the covariance
     resting_stride : 4, samples of a resting frame that share one, and one update at their end;
@@ -76,7 +79,8 @@ class NavigationSettings:
     zero_rate: bool = True
     initial_gyr_mean: bool = True
     gyr_bias_prior_sd_radps: float = 0.5 * _DEG
-    scale_sd: float = 0.003
+    scale_sd: float = 0.01
+    axes_sd_rad: float = 0.01
     form: Form = "corrected"
     moving_stride: int = 8
     resting_stride: int = 4
@@ -95,8 +99,28 @@ class NavigationSettings:
         sizes = dict.fromkeys((n for n in vars(self) if n not in others), SIZES)
         strides = dict.fromkeys(("moving_stride", "resting_stride"), (1, LONGEST_STRIDE))
         check_limits(
-            self, {**sizes, **strides, "upright_rad": (SIZES[0], np.pi), "scale_sd": (1e-6, 1.0)}
+            self,
+            {
+                **sizes,
+                **strides,
+                "upright_rad": (SIZES[0], np.pi),
+                "scale_sd": (1e-6, 1.0),
+                "axes_sd_rad": (1e-6, 1.0),
+            },
         )
+
+    @classmethod
+    def for_calibrated_sensor(cls) -> NavigationSettings:
+        """Settings for a sensor whose maker calibrates each unit, as the paper's MTi-1.
+
+        Scale factors are taken to be known to 0.3 % and axes to 0.1 deg, as the simulated MTi-1
+        has them; its data sheet states neither.
+
+        Returns
+        -------
+        NavigationSettings
+        """
+        return cls(scale_sd=CALIBRATED_SCALE_SD, axes_sd_rad=CALIBRATED_AXES_SD_RAD)
 
     @classmethod
     def for_foot(cls, *, gyr_range_radps: float = 1e3) -> NavigationSettings:
@@ -133,6 +157,8 @@ class NavigationSettings:
             zero_rate=False,
             initial_gyr_mean=False,
             gyr_bias_prior_sd_radps=0.25 * _DEG,
+            scale_sd=CALIBRATED_SCALE_SD,
+            axes_sd_rad=CALIBRATED_AXES_SD_RAD,
         )
 
     def noise(self) -> eskf.Noise:

@@ -14,7 +14,6 @@ from mobility_imu.walker.mount import REACH_M
 from mobility_imu.walker.navigation import Navigation
 
 __all__ = [
-    "MISALIGNMENT_SD_RAD",
     "REST_WORDS",
     "SCALES_OF_ACC",
     "check_deviations",
@@ -23,8 +22,6 @@ __all__ = [
     "wrong_readings",
 ]
 
-MISALIGNMENT_SD_RAD = float(np.deg2rad(0.1))
-"""Assumed error of the sensor's axes; no tilt shows it."""
 REST_WORDS = "at rest the accelerometer reads"
 OFF_SCALE_TIMES = 3.0
 """Standard deviations of the mount from which on it is told that the scale which the rests show
@@ -47,7 +44,9 @@ SCALES_OF_ACC = [k for k, error in enumerate(KINDS_OF_ERROR) if error[1:] == ("a
 """Numbers of the recordings of :func:`wrong_readings` whose accelerometer has a wrong scale."""
 
 
-def wrong_readings(recording: Recording, acc_bias_mps2: float, scale: float) -> Iterator[Recording]:
+def wrong_readings(
+    recording: Recording, acc_bias_mps2: float, scale: float, axes_rad: float
+) -> Iterator[Recording]:
     """Recordings with one error each: of a scale factor, an axis, or the accelerometer's bias.
 
     Parameters
@@ -55,6 +54,7 @@ def wrong_readings(recording: Recording, acc_bias_mps2: float, scale: float) -> 
     recording : Recording with a sensor "frame"
     acc_bias_mps2 : m/s², size of the bias
     scale : 1, size of the error of a scale factor
+    axes_rad : rad, by which an axis leans toward another one
 
     Yields
     ------
@@ -66,7 +66,7 @@ def wrong_readings(recording: Recording, acc_bias_mps2: float, scale: float) -> 
         if kind == "offset":
             offset[row] = acc_bias_mps2
         else:
-            mixing[row, column] += scale if row == column else MISALIGNMENT_SD_RAD
+            mixing[row, column] += scale if row == column else axes_rad
         if kind == "gyr":
             wrong = Imu(acc, gyr @ mixing.T)
         else:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 ROCKING = Level(MTI_1, Imperfections(rocking_rad=float(np.deg2rad(0.6))))
 """A frame that rocks so strongly that few rests are found."""
+SENSOR = NavigationSettings.for_calibrated_sensor()
 UNITS_LEVELS = ("sensor", "realistic")
 """Levels with the errors of a real unit."""
 
@@ -141,7 +142,7 @@ def _mount_ratios_of(seed: int) -> list[dict[str, Any]]:
     for level in UNITS_LEVELS:
         for pose in POSES:
             run, tape = tilt_run(seed, pose, LEVELS[level])
-            found = calibrate_mount(run.recording, tape)
+            found = calibrate_mount(run.recording, tape, settings=SENSOR)
             off = found.mount.translation_body_m - run.mount.translation_body_m
             turn = Rotation.from_matrix(
                 found.mount.rotation_imu_to_body @ run.mount.rotation_imu_to_body.T
@@ -178,7 +179,7 @@ def _end_ratios_of(seed: int, poses: tuple[str, ...] = ("1", "3", "5")) -> list[
         for pose in poses:
             unit = unit_of(seed, pose)
             run = attach_imu(motion, pose_mount(pose), level.sensor, seed=unit, unit_seed=unit)
-            path = estimate_trajectory(run.recording, None, pose_mount(pose))
+            path = estimate_trajectory(run.recording, None, pose_mount(pose), SENSOR)
             goal = run.position_body_m[-1] - run.position_body_m[0]
             off = float(np.linalg.norm((path.position_m[-1] - goal)[:2]))
             rows.append({"level": name, "ratio": off / float(path.horizontal_sd_m[-1])})

@@ -69,14 +69,14 @@ SHOWN_HZ = 1.2
 SIMULATED_SEEDS = range(4)
 """Of the simulated rectangles at the level of real sensors; each in five mountings."""
 
+_FRAME, _FOOT = NavigationSettings.for_calibrated_sensor(), NavigationSettings.for_foot()
 WAYS: dict[str, tuple[NavigationSettings, bool]] = {
-    "frame": (NavigationSettings(), True),
-    "foot": (NavigationSettings.for_foot(), True),
-    "detector": (NavigationSettings(), False),
+    "frame": (_FRAME, True),
+    "foot": (_FOOT, True),
+    "detector": (_FRAME, False),
 }
 """Settings of a frame or of a foot with the rests given; a frame's with our detector."""
 
-_FRAME, _FOOT = NavigationSettings(), NavigationSettings.for_foot()
 _FREE = replace(_FRAME, zero_rate=False)
 _LEARNED = replace(_FREE, initial_gyr_mean=False)
 VARIANTS: dict[str, tuple[NavigationSettings, bool]] = {

@@ -32,6 +32,7 @@ from mobility_imu.simulation.levels import LEVELS, MOUNTS, REAL_LEVEL
 from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
 from mobility_imu.walker.geometry import FOOTPRINT
 from mobility_imu.walker.mount import WalkerMount
+from mobility_imu.walker.navigation_settings import NavigationSettings
 from mobility_imu.walker.steps import GaitSettings, find_steps
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.trajectory import estimate_trajectory
@@ -176,7 +177,8 @@ def simulated_row(seed: int, level: str) -> dict[str, Any]:
     chosen = REAL_LEVEL if level == "real" else LEVELS[level]
     motion = simulate_walk(CORRIDOR, seed=seed, imperfections=chosen.imperfections)
     run = attach_imu(motion, MOUNTS["1"], chosen.sensor, seed=1000 + seed, unit_seed=seed)
-    found = estimate_trajectory(run.recording, FOOTPRINT, MOUNTS["1"])
+    settings = None if level == "real" else NavigationSettings.for_calibrated_sensor()
+    found = estimate_trajectory(run.recording, FOOTPRINT, MOUNTS["1"], settings)
     steps = find_steps(found)
     true = run.position_body_m[-1] - run.position_body_m[0]
     return {
