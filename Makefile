@@ -68,10 +68,14 @@ lock:                     ## renew constraints.txt: the newest versions within t
 clean:                    ## forget built pages, executed notebooks and wheels
 	rm -rf _build build dist
 
+# uv installs what pip would, in a tenth of the time; where it can't be had or fails, pip does it.
 # Python compiles what is imported; pip would compile everything, one file after the other.
+PIP := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 $(VENV)/.installed: requirements.txt constraints.txt pyproject.toml setup.py
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --disable-pip-version-check --quiet --no-compile -r requirements.txt
+	$(PIP) "uv>=0.4,<1" && \
+	    $(BIN)/uv pip install --quiet --no-cache --python $(BIN)/python -r requirements.txt || \
+	    $(PIP) --no-compile -r requirements.txt
 	mkdir -p $(VENV)/etc/ipython
 	echo "c.IPKernelApp.log_level = 'ERROR'  # kernels talk to this machine only: no notice of it" \
 	    > $(VENV)/etc/ipython/ipython_kernel_config.py

@@ -26,6 +26,7 @@ PAGES = ("README.md", "book/how_to_use.md")
 """Pages whose commands run one after the other from an empty folder, with the core alone."""
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 SUITE = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "-n", "2")
+WHOLE = (*SUITE, "tests", "--every-variant")
 
 
 class Failed(Exception):
@@ -114,16 +115,14 @@ def bounds(step: Step) -> str:
     for codes in ((0, 1), (0,)):
         step.run(sys.executable, *SUITE, processes, cwd=ROOT, codes=codes, **checked, **ONE_THREAD)
     found = step.run(
-        *(sys.executable, *SUITE, "--ignore", processes, "tests"), cwd=ROOT, **checked, **ONE_THREAD
+        *(sys.executable, *WHOLE, "--ignore", processes), cwd=ROOT, **checked, **ONE_THREAD
     )
     return summary(found)
 
 
 def nonumba(step: Step) -> str:
     """Suite with the import of numba blocked."""
-    found = step.run(
-        *(sys.executable, *SUITE, "tests"), cwd=ROOT, MOBILITY_IMU_NO_NUMBA="1", **ONE_THREAD
-    )
+    found = step.run(*(sys.executable, *WHOLE), cwd=ROOT, MOBILITY_IMU_NO_NUMBA="1", **ONE_THREAD)
     return summary(found)
 
 
@@ -139,7 +138,7 @@ def lowest(step: Step) -> str:
         VIRTUAL_ENV=str(step.folder / "lowest"),
     )
     found = step.run(
-        *(step.folder / "lowest/bin/python", *SUITE, "tests"),
+        *(step.folder / "lowest/bin/python", *WHOLE),
         cwd=sources,
         PYTHONPATH=str(sources),
         # Oldest versions here, newest beneath them: what those call deprecated is not our fault.

@@ -340,7 +340,7 @@ def run(room: Path, seconds: Path, tests: list[str], limit_s: float) -> bool:
     for name in OUTSIDE:
         environment.pop(name, None)
     command = [
-        *(sys.executable, "-m", "pytest", "-x", "-q"),
+        *(sys.executable, "-m", "pytest", "-x", "-q", "--every-variant"),
         *("-p", "no:cacheprovider", "-p", "fastest_first", *tests),
     ]
     try:

@@ -3,12 +3,22 @@
 import gc
 import os
 import signal
+import tomllib
+from collections import defaultdict
+from pathlib import Path
 
 import pytest
 
 # The compiled loops from the first call on: otherwise a fresh environment's first tests run the
 # readable forms, whose last digits differ, and the comparison of processes byte by byte fails.
 os.environ.setdefault("MOBILITY_IMU_COMPILE", "always")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option that runs all variants."""
+    parser.addoption(
+        "--every-variant", action="store_true", help="also run what rare.toml leaves out"
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -18,14 +28,46 @@ def pytest_configure(config: pytest.Config) -> None:
     )
 
 
+RARE = Path(__file__).with_name("rare.toml")
+"""How many variants of some tests run with each change."""
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave slow tests out, unless the markers that are asked for name them."""
+    if not config.getoption("every_variant") and not any("::" in named for named in config.args):
+        for item in rare_items(items):
+            item.add_marker(pytest.mark.slow)
     if "slow" in config.option.markexpr:
         return
     slow = [item for item in items if item.get_closest_marker("slow")]
     if slow:
         config.hook.pytest_deselected(items=slow)
         items[:] = [item for item in items if item not in set(slow)]
+
+
+def rare_items(items: list[pytest.Item]) -> list[pytest.Item]:
+    """Variants that ``rare.toml`` leaves to ``make check STEP=slow``."""
+    groups: dict[tuple[str, str], list[pytest.Item]] = defaultdict(list)
+    files = set()
+    for item in items:
+        parts = item.nodeid.split("[")[0].removeprefix("tests/").split("::")
+        place = ".".join([parts[0].removesuffix(".py").replace("/", "."), *parts[1:-1]])
+        files.add(place)
+        if not item.get_closest_marker("slow"):
+            groups[place, parts[-1]].append(item)
+    rare = []
+    for place, tests in tomllib.loads(RARE.read_text()).items():
+        for name, often in tests.items():
+            variants = groups.get((place, name), [])
+            if place in files and len(variants) <= often:
+                raise pytest.UsageError(
+                    f"{RARE}: {place}.{name} has not more than {often} variants"
+                )
+            step = len(variants) / often if often else 1.0
+            kept = {int(k * step) for k in range(often)}
+            rare += [item for k, item in enumerate(variants) if k not in kept]
+    return rare
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:

@@ -121,7 +121,7 @@ def accelerometer_bias() -> Evidences:
     return (
         Evidence(
             what="largest difference of the block in A from finite differences",
-            first_from="0, as in the paper",
+            first_from="0, as our copy has it",
             first=float(np.abs(printed[9:12, 12:15] - truth).max()),
             second_from="−C'(q̂), the factor of the noise",
             second=float(np.abs(corrected[9:12, 12:15] - truth).max()),
