@@ -21,7 +21,13 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from mobility_imu.recording import Recording
-    from mobility_imu.walker import NavigationSettings, Steps, Trajectory, WalkerGeometry, WalkerMount
+    from mobility_imu.walker import (
+        NavigationSettings,
+        Steps,
+        Trajectory,
+        WalkerGeometry,
+        WalkerMount,
+    )
 
 app = sub_app("Walking frame: mount of the IMU, and path.")
 ScalePercent = Annotated[

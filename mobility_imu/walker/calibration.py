@@ -222,7 +222,7 @@ def with_sensor_errors(
     moves the height by about 1 cm in the front and in the back tilt, and hardly in the others. What
     they do show is in their scatter, and the filter's noise factors stand in for the same errors:
     their sum would count them twice, the larger of both is stated.
-    
+
     Parameters
     ----------
     found : WalkerCalibration by "all-samples"
@@ -259,7 +259,9 @@ def with_sensor_errors(
         other_fits, other_turn = _fit_arcs(other, spans, edges)
         there, _, _ = _position_from_arcs(other_fits, tilts, edges, other_turn, trust, noise)
         changes.append(there - place)
-        sides.append(np.subtract(footprint_by_arcs(other_fits, tilts, other_turn), found.footprint_m))
+        sides.append(
+            np.subtract(footprint_by_arcs(other_fits, tilts, other_turn), found.footprint_m)
+        )
         place_var = place_var + changes[-1] ** 2
         turn_var = turn_var + Rotation.from_matrix(other_turn @ turn.T).as_rotvec() ** 2
     place_sd = np.maximum(found.translation_sd_m, np.sqrt(place_var))

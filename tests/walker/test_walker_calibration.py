@@ -17,25 +17,28 @@ from walker_recordings import (
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.tables import POSES, pose_mount
-from mobility_imu.simulation.levels import LEVELS, tilt_run
-from mobility_imu.simulation.sensor import IDEAL, MTI_1
+from mobility_imu.simulation.levels import LEVELS, REAL_LEVEL, tilt_run
+from mobility_imu.simulation.sensor import IDEAL, MTI_1, REAL
 from mobility_imu.simulation.walker import (
     REALISTIC,
     measured_geometry,
     simulate_tilts,
 )
 from mobility_imu.walker import (
+    NavigationSettings,
     WalkerGeometry,
     calibrate_mount,
+    find_tilt_faults,
 )
 from mobility_imu.walker.arc_fit import ArcFit
 from mobility_imu.walker.calibration import (
     _mount,
     _position_from_arcs,
-    with_sensor_errors,
     calibrate_from_path,
+    with_sensor_errors,
 )
 from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.footprint import footprint_warnings
 from mobility_imu.walker.geometry import TILT_DIRECTIONS
 from mobility_imu.walker.sensor_errors import (
     REST_WORDS,
@@ -206,14 +209,44 @@ def test_scales_of_the_accelerometer_are_those_of_the_wrong_readings():
     assert scaled == list(zip(SCALES_OF_ACC, range(3), strict=True))
 
 
+def test_settings_of_a_sensor_that_its_maker_calibrates():
+    """As the simulated MTi-1; without them, as the simulated cheap sensor."""
+    own, usual = NavigationSettings.for_calibrated_sensor(), NavigationSettings()
+    for settings, model in ((own, MTI_1), (usual, REAL)):
+        assert settings.scale_sd == model.acc.scale_sd == model.gyr.scale_sd
+        assert settings.axes_sd_rad == model.acc.misalignment_sd_rad
+        assert settings.axes_sd_rad == model.gyr.misalignment_sd_rad
+
+
+def test_a_side_that_the_sensors_errors_explain_is_not_told():
+    """12 cm are 2.4 standard deviations of 5 cm, 16 cm are 3.2; exchanged sides are told anyway."""
+    frame, sd = WalkerGeometry(0.6, 0.5), (0.05, 0.01)
+    assert len(footprint_warnings((0.72, 0.5), frame)) == 1
+    assert not footprint_warnings((0.72, 0.5), frame, sd)
+    assert len(footprint_warnings((0.76, 0.5), frame, sd)) == 1
+    assert len(footprint_warnings((0.5, 0.6), frame, (0.1, 0.1))) == 2
+
+
+def test_tilts_of_a_cheap_sensor_on_a_right_footprint_are_not_told():
+    """By a sensor as real ones are the sides are 12 cm off, but not if it were a calibrated one."""
+    run, tape = tilt_run(82, "1", REAL_LEVEL)
+    assert "poses" not in {fault.code for fault in find_tilt_faults(run.recording, tape)}
+    sensor = NavigationSettings.for_calibrated_sensor()
+    told = find_tilt_faults(run.recording, tape, settings=sensor)
+    assert "poses" in {fault.code for fault in told}
+    found = calibrate_mount(run.recording, tape)
+    assert not any("footprint" in text for text in found.warnings)
+
+
 @pytest.mark.parametrize("factor", [0.95, 1.05])
 def test_an_accelerometer_whose_scale_spoils_the_mount_is_told(factor):
     """5 % of its scale move the height by many of its sd; what is stated is what it does."""
     run, tape = tilt_run(1, "2", LEVELS["realistic"])
     imu = run.recording.sensor("frame")
-    clean = calibrate_mount(run.recording, tape)
+    sensor = {"settings": NavigationSettings.for_calibrated_sensor()}
+    clean = calibrate_mount(run.recording, tape, **sensor)
     assert not any(REST_WORDS in text for text in clean.warnings)
-    found = calibrate_mount(rebuilt(run.recording, acc=factor * imu.acc_mps2), tape)
+    found = calibrate_mount(rebuilt(run.recording, acc=factor * imu.acc_mps2), tape, **sensor)
     (said,) = (text for text in found.warnings if REST_WORDS in text)
     moved = np.linalg.norm(found.mount.translation_body_m - clean.mount.translation_body_m)
     stated = float(re.search(r"about ([\d.]+) m", said)[1])

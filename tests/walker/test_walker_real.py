@@ -186,7 +186,7 @@ def judged(names, settings=None, *, given=True):
 @feet
 def test_feet_with_settings_of_a_frame():
     """A quarter of a metre; the stated sd is some ten times too small: a foot is no frame."""
-    rms, ratio, _ = judged(foot_names())
+    rms, ratio, _ = judged(foot_names(), NavigationSettings.for_calibrated_sensor())
     assert len(rms) >= 28
     assert np.median(rms) <= 0.25
     assert 4 < np.median(ratio) < 20

@@ -8,7 +8,12 @@ import pytest
 
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_kinds import clean_walk
-from mobility_imu.walker import estimate_trajectory, find_faults, valid_samples
+from mobility_imu.walker import (
+    NavigationSettings,
+    estimate_trajectory,
+    find_faults,
+    valid_samples,
+)
 from mobility_imu.walker.rounding import rounded_mean_sd
 
 
@@ -41,11 +46,14 @@ def test_the_mean_of_rounded_values_scatters_as_simulated(noise):
 def test_coarse_steps_are_told_with_what_they_turn():
     """Steps of 1 deg/s: an offset of 0.3 of a step turns the path by many of its sd."""
     walk, step = walked(), float(np.deg2rad(1))
-    found = estimate_trajectory(walk.walk.recording, walk.tape, walk.mount)
+    sensor = NavigationSettings.for_calibrated_sensor()
+    found = estimate_trajectory(walk.walk.recording, walk.tape, walk.mount, sensor)
     wrong = rounded(step, 0.3)
-    moved = estimate_trajectory(wrong, walk.tape, walk.mount)
+    moved = estimate_trajectory(wrong, walk.tape, walk.mount, sensor)
     off = np.rad2deg(abs(moved.yaw_rad[-1] - found.yaw_rad[-1]))
-    (told,) = (f for f in find_faults(wrong, walk.tape, walk.mount) if f.code == "coarse")
+    (told,) = (
+        f for f in find_faults(wrong, walk.tape, walk.mount, settings=sensor) if f.code == "coarse"
+    )
     stated = float(re.search(r"the path by ([\d.]+) deg", told.sentence)[1])
     assert off > 3 * np.rad2deg(moved.yaw_sd_rad[-1]) and "1 deg/s" in told.sentence
     assert stated / 2 < off < 2 * stated

@@ -62,7 +62,7 @@ def test_errors_of_the_mount_over_their_standard_deviations(units):
     for seed in range(6000, 6000 + units):
         true = pose_mount(POSES[seed % 5])
         run = attach_imu(simulate_tilts(FRAME, seed=seed), true, MTI_1, seed=seed, unit_seed=seed)
-        found = calibrate_mount(run.recording, FRAME)
+        found = calibrate_mount(run.recording, FRAME, settings=SENSOR)
         ratios.append(mount_ratios(found, true))
     low, high = chance(units)
     found = rms(ratios)
@@ -72,6 +72,8 @@ def test_errors_of_the_mount_over_their_standard_deviations(units):
         assert low < rms(part) < high, found
 
 
+SENSOR = NavigationSettings.for_calibrated_sensor()
+"""What the simulated MTI_1 is."""
 NOISE_ONLY = without(
     MTI_1, "turn_on_bias_sd", "bias_instability", "scale_sd", "misalignment_sd_rad",
     "g_sensitivity_sd", "clock_rate_sd",
@@ -283,7 +285,7 @@ def test_end_and_heading_of_a_walk_over_their_standard_deviations(rounds):
     place, heading = [], []
     for seed in range(5000, 5000 + rounds):
         run, mount = walked_with(seed)
-        found = estimate_trajectory(run.recording, FRAME, mount)
+        found = estimate_trajectory(run.recording, FRAME, mount, SENSOR)
         first = run.position_body_m[-len(found)]
         off = found.position_m[-1] - (run.position_body_m[-1] - first)
         place.append(np.linalg.norm(off[:2]) / found.horizontal_sd_m[-1])
@@ -395,7 +397,7 @@ def test_a_wrong_scale_of_the_gyroscope_leads_the_path_astray_as_computed(tied):
     gyr = run.recording.gyroscope("frame")
     wrong = Recording(run.recording.time_s, {"frame": Imu(imu.acc_mps2, 1.01 * gyr)})
     right, astray = (
-        estimate_trajectory(one, None, pose_mount("2"), closed_loop=tied)
+        estimate_trajectory(one, None, pose_mount("2"), SENSOR, closed_loop=tied)
         for one in (run.recording, wrong)
     )
     computed = 0.01 * _led_astray(right.position_m, right.rotation_body_to_world, tied is not None)
@@ -407,7 +409,7 @@ def test_a_wrong_scale_of_the_gyroscope_leads_the_path_astray_as_computed(tied):
     else:
         assert np.allclose(computed[[0, -1]], 0, atol=1e-9)
         assert 0.5 < moved.max() / np.linalg.norm(computed, axis=1).max() < 1
-    stated = 0.01 / NavigationSettings().scale_sd * right.horizontal_sd_m
+    stated = 0.01 / SENSOR.scale_sd * right.horizontal_sd_m
     assert (moved < stated + 1e-3).all() and moved[-1] > 0.5 * stated[-1]
 
 
@@ -420,7 +422,7 @@ def test_the_end_of_a_rectangle_lies_inside_its_stated_interval():
     for seed in range(8000, 8020):
         motion = simulate_walk(RECTANGLE, seed=seed, imperfections=REALISTIC)
         run = attach_imu(motion, pose_mount("2"), MTI_1, seed=seed, unit_seed=seed)
-        found = estimate_trajectory(run.recording, None, pose_mount("2"))
+        found = estimate_trajectory(run.recording, None, pose_mount("2"), SENSOR)
         off = (found.position_m[-1] - found.position_m[0])[:2]
         off = off - (run.position_body_m[-1] - run.position_body_m[0])[:2]
         inside += (np.abs(off) < 1.96 * found.position_sd_m[-1, :2]).tolist()

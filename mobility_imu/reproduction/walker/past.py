@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -117,12 +118,15 @@ def printed_dynamics(seeds: Iterable[int], executor: Any = None) -> pd.DataFrame
     return found.reset_index()
 
 
-def mount_ratios(seeds: Iterable[int], executor: Any = None) -> pd.DataFrame:
+def mount_ratios(
+    seeds: Iterable[int], executor: Any = None, poses: Sequence[str] = POSES
+) -> pd.DataFrame:
     """Errors of a calibration by whole arcs over the standard deviations that it states.
 
     Parameters
     ----------
     seeds, executor : as in :func:`smoothing`
+    poses : mountings of Table 1
 
     Returns
     -------
@@ -132,15 +136,15 @@ def mount_ratios(seeds: Iterable[int], executor: Any = None) -> pd.DataFrame:
     """
     import pandas as pd
 
-    rows = pd.DataFrame(spread(_mount_ratios_of, seeds, executor))
+    rows = pd.DataFrame(spread(partial(_mount_ratios_of, poses=tuple(poses)), seeds, executor))
     groups = rows.groupby("level", sort=False)
     return groups.agg(_rms).assign(runs=groups.size()).reset_index()
 
 
-def _mount_ratios_of(seed: int) -> list[dict[str, Any]]:
+def _mount_ratios_of(seed: int, poses: tuple[str, ...]) -> list[dict[str, Any]]:
     rows = []
     for level in UNITS_LEVELS:
-        for pose in POSES:
+        for pose in poses:
             run, tape = tilt_run(seed, pose, LEVELS[level])
             found = calibrate_mount(run.recording, tape, settings=SENSOR)
             off = found.mount.translation_body_m - run.mount.translation_body_m
