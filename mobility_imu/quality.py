@@ -53,6 +53,9 @@ LARGEST_LOOK = 10
 """Samples beyond a plateau at which it is looked at how far the readings have fallen, at most."""
 FELT_FRACTION = 0.15
 """Fraction of a reading's length by which another sensor has to expect a change (9 deg of tilt)."""
+ABOUT_ITSELF = float(np.cos(np.deg2rad(12.0)))
+"""Cosine of the angle to the axis of a turn up to which a force is taken to stay in the sensor's
+axes: 12 deg are a centripetal force of 2 m/s², at 2 rad/s and 0.5 m. Our choice, not swept."""
 
 
 class Resolution(NamedTuple):
@@ -226,7 +229,9 @@ def turned_gravity(
 ) -> FloatArray:
     """Accelerations that a gyroscope expects of an accelerometer beside it, up to a constant.
 
-    A force that stays as it is in the world turns in the sensor's axes by -rate x force. The mean
+    A force that stays as it is in the world turns in the sensor's axes by -rate x force. One that
+    lies nearly along the axis of the turn is gravity with the centripetal force of a turn on level
+    ground, which stays as it is in the sensor's axes. The mean
     rate of the quietest second is taken for the gyroscope's offset, if an offset can be so large;
     the median would be the spin of a wheel.
 
@@ -243,7 +248,10 @@ def turned_gravity(
     acc, gyr = _readings(acc_mps2), _readings(gyr_radps)
     step_s = 1 / as_number(sampling_rate_hz, "sampling_rate_hz")
     rate = gyr - _quiet_rate(gyr, max(2, round(1 / step_s))) if len(gyr) else gyr
-    return np.cumsum(-np.cross(rate, acc) * step_s, axis=0)
+    turning = np.cross(rate, acc)
+    along = np.abs(np.einsum("ni,ni->n", rate, acc))
+    turning[along > ABOUT_ITSELF * np.linalg.norm(rate, axis=1) * np.linalg.norm(acc, axis=1)] = 0
+    return np.cumsum(-turning * step_s, axis=0)
 
 
 def _quiet_rate(gyr: FloatArray, window: int) -> FloatArray:

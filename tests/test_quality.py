@@ -129,6 +129,22 @@ def test_an_accelerometer_beside_a_gyroscope_that_turns():
     assert np.ptp(turned_gravity(still, 0 * still + 0.05, RATE_HZ), axis=0).max() < 1e-9
 
 
+@pytest.mark.parametrize(("axis_deg", "frozen"), [(0, False), (90, True)])
+def test_a_turn_about_gravity_lets_a_coarse_accelerometer_repeat_itself(axis_deg, frozen):
+    """A frame that turns on the spot: gravity and the centripetal force stay in its axes.
+
+    The same readings while it turns about a level axis are those of an accelerometer that hangs.
+    """
+    acc = np.tile([0.9, 0.0, 9.8], (600, 1)) + np.random.default_rng(3).normal(0, 0.05, (600, 3))
+    acc[200:320] = [0.9, 0.0, 9.8]
+    acc = np.round(acc / 0.0981) * 0.0981
+    gyr = np.zeros((600, 3))
+    tilt = np.deg2rad(axis_deg)
+    gyr[180:340] = 2.1 * np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    found = frozen_samples(acc, RATE_HZ, follows=[turned_gravity(acc, gyr, RATE_HZ)])
+    assert found[200:320].all() if frozen else not found.any()
+
+
 def test_what_is_followed_has_the_shape_of_the_values():
     with pytest.raises(InputError, match=r"follows: expected shape \(600, 3\), got \(600, 2\)"):
         frozen_samples(noise(), 100, follows=[noise(axes=2)])
