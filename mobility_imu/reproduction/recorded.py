@@ -141,8 +141,8 @@ STUDIES: dict[str, Study] = {
     "faults_wheelchair": Study(
         "mobility_imu.reproduction.wheelchair.faults",
         "study",
-        "217000 to 217024 for the courts, with the kind's and the case's numbers for places and "
-        "sizes; 218000 to 221069 for courts without a fault",
+        "317000 to 317024 for the courts, with the kind's and the case's numbers for places and "
+        "sizes; 318000 to 321069 for courts without a fault",
     ),
     "dropped_chairs": Study(
         "mobility_imu.reproduction.wheelchair.held",
@@ -153,7 +153,7 @@ STUDIES: dict[str, Study] = {
     "faults_walker": Study(
         "mobility_imu.reproduction.walker.faults",
         "study",
-        "208000 to 208024 for walks that get a fault; from 209000, 210000, 211000 and 212000 for "
+        "308000 to 308024 for walks that get a fault; from 309000, 310000, 311000 and 312000 for "
         "others",
         reads_recordings=True,
     ),

@@ -219,11 +219,14 @@ def test_settings_of_a_sensor_that_its_maker_calibrates():
 
 
 def test_a_side_that_the_sensors_errors_explain_is_not_told():
-    """12 cm are 2.4 standard deviations of 5 cm, 16 cm are 3.2; exchanged sides are told anyway."""
+    """17 cm are 3 cm of the tips and 2.8 standard deviations of 5 cm, 19 cm are 3.2.
+
+    Exchanged sides are told anyway.
+    """
     frame, sd = WalkerGeometry(0.6, 0.5), (0.05, 0.01)
-    assert len(footprint_warnings((0.72, 0.5), frame)) == 1
-    assert not footprint_warnings((0.72, 0.5), frame, sd)
-    assert len(footprint_warnings((0.76, 0.5), frame, sd)) == 1
+    assert len(footprint_warnings((0.77, 0.5), frame)) == 1
+    assert not footprint_warnings((0.77, 0.5), frame, sd)
+    assert len(footprint_warnings((0.79, 0.5), frame, sd)) == 1
     assert len(footprint_warnings((0.5, 0.6), frame, (0.1, 0.1))) == 2
 
 

@@ -18,6 +18,7 @@ from mobility_imu.simulation.walker import (
     simulate_walk,
 )
 from mobility_imu.walker import (
+    NavigationSettings,
     calibrate_mount,
 )
 from mobility_imu.walker.follow import navigate_recording
@@ -113,7 +114,9 @@ def test_tilts_in_another_order_are_recognised():
     assert any("other way round" in said for said in turned.warnings)
     # A width that is 12 cm off, with the length as it is, does not look swapped.
     wide = replace(FRAME, footprint_width_m=FRAME.footprint_width_m + 0.12)
-    (said,) = [text for text in calibrate_mount(recording, wide, order=order).warnings if "m, measured" in text]  # noqa: E501  # fmt: skip
+    sensor = NavigationSettings.for_calibrated_sensor()
+    told = calibrate_mount(recording, wide, order=order, settings=sensor).warnings
+    (said,) = [text for text in told if "m, measured" in text]
     assert "other way round" not in said and "width" in said
     with pytest.raises(InputError, match="expected names out of"):
         calibrate_mount(recording, FRAME, order=("up",))

@@ -36,7 +36,7 @@ CASES = 100
 """Drives of each kind."""
 POOL = 25
 """Clean drives that the kinds share; places and sizes are drawn anew for each case."""
-FIRST_SEED = 217_000
+FIRST_SEED = 317_000
 """Of the study. Nobody had looked at these drives when a check was last changed."""
 SEEN_SEED = 17_000
 """Of an earlier run, after which some checks were changed; examples and tests use it."""
