@@ -55,7 +55,8 @@ FELT_FRACTION = 0.15
 """Fraction of a reading's length by which another sensor has to expect a change (9 deg of tilt)."""
 ABOUT_ITSELF = float(np.cos(np.deg2rad(12.0)))
 """Cosine of the angle to the axis of a turn up to which a force is taken to stay in the sensor's
-axes: 12 deg are a centripetal force of 2 m/s², at 2 rad/s and 0.5 m. Our choice, not swept."""
+axes: 12 deg are a centripetal force of 2 m/s², at 2 rad/s and 0.5 m. So up to 24 deg of tilt are
+not seen in such a turn. Our choice, not swept."""
 
 
 class Resolution(NamedTuple):

@@ -153,7 +153,8 @@ def calibrate_mount(
         accelerometer, and errors of its scale and its axes (``settings.scale_sd`` and
         ``axes_sd_rad``); or the scatter of the arcs and the filter's attitude where that is
         more. Edges that slip are in them as far as the arcs scatter. With 120 units of a simulated
-        MTI-1 the errors are 0.9, 1.0, 0.9 of them in position, and 0.9, 1.1, 0.9 in rotation (rms).
+        MTI-1, and ``for_calibrated_sensor``, the errors are 0.9, 1.0, 0.9 of them in position, and
+        0.9, 1.1, 0.9 in rotation (rms).
 
     Raises
     ------

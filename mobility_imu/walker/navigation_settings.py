@@ -47,8 +47,9 @@ class NavigationSettings:
     initial_gyr_mean : whether to start with the mean of the gyroscope over the first rest
     gyr_bias_prior_sd_radps : rad/s, size of the bias where the start is not that mean, but zero
     scale_sd, axes_sd_rad : 1 and rad, how well the sensor's scale factors and axes are known; not
-        in the filter, but in the standard deviations of mount and path. 1 % each, as data sheets
-        of cheap sensors state; see :meth:`for_calibrated_sensor`
+        in the filter, but in the standard deviations of mount and path, and so in what is told or
+        called valid by them. 1 % each, as data sheets of cheap sensors state; see
+        :meth:`for_calibrated_sensor`
     form : of the error dynamics, "corrected" or as "printed" in eq. 24
     moving_stride : 8, samples of a moving frame that share one step of the covariance
     resting_stride : 4, samples of a resting frame that share one, and one update at their end;
@@ -132,7 +133,8 @@ class NavigationSettings:
         hits. The gyroscope's offset is assumed to be as small as a data sheet says (0.25 deg/s,
         LORD 3DM-GX3-25), since a person who waits at the start sways by more;
         ``estimate_trajectory`` takes off a larger one that longer rests show. The sizes were chosen
-        on 28 public walks with motion capture and given rests.
+        on 28 public walks with motion capture and given rests; scale factors and axes are those of
+        a sensor that its maker calibrates, as theirs is.
 
         A foot swings faster than many gyroscopes can read. Where the readings end is to be given:
         what is cut off there costs more than all noise.
