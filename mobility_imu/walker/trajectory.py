@@ -69,8 +69,9 @@ class Trajectory(Result):
         errors, as far as the mount states them, but not with creep or slip of the tips, which no
         IMU sees
     yaw_sd_rad : (n,) array, rad. On walks with turns, where ``scale_sd`` counts, errors of a
-        simulated MTI_1 are 0.9 of it (with ``NavigationSettings.for_calibrated_sensor``). At the end of a straight corridor they are a quarter: the filter's noise is
-        three times the gyroscope's, and it allows for a resting frame that turns a little
+        simulated MTI_1 are 0.9 of it (with ``NavigationSettings.for_calibrated_sensor``). At the
+        end of a straight corridor they are a quarter: the filter's noise is three times the
+        gyroscope's, and it allows for a resting frame that turns a little
     warnings : what the user should know
     settings, stillness : what it was found with; stillness is None if the rests were given
     smooth : whether each estimate uses what comes after it

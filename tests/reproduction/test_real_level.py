@@ -32,12 +32,12 @@ def test_the_first_one_comes_out_as_recorded(name, compute):
         assert value == pytest.approx(RECORD["first"][name][key], rel=0.01, abs=1e-3), key
 
 
-def test_the_walkers_intervals_hold_if_the_scale_of_real_sensors_is_stated():
+def test_the_walkers_intervals_hold_on_real_sensors_unless_they_are_called_calibrated():
     """95 % are stated; creep of the tips is not in the deviations."""
     found = RECORD["walker"]["real"]
     for name in ("mount", "rectangle_end"):
-        assert found[f"{name}_covered_if_stated"] > max(found[f"{name}_covered"], 0.9)
-    assert found["corridor_end_covered"] < found["corridor_end_covered_if_stated"] < 0.85
+        assert found[f"{name}_covered"] > max(found[f"{name}_covered_if_calibrated"], 0.9)
+    assert found["corridor_end_covered_if_calibrated"] < found["corridor_end_covered"] < 0.85
 
 
 def test_levels_differ_by_the_sensors_alone():

@@ -94,7 +94,9 @@ def test_the_record_has_a_hundred_of_each_kind():
     assert len(cases) == faults.CASES * len(kept["kinds"])
     for row in kept["kinds"]:
         mine = cases[(cases["kind"] == row["kind"]) & (cases["found_as"] != "refused")]
-        assert int((mine["ratio"] > faults.MATTERS).sum()) == pytest.approx(row["matter"], abs=1)
+        # The record keeps three digits: a ratio just above two is two there.
+        surely, perhaps = (mine["ratio"] > faults.MATTERS).sum(), (mine["ratio"] >= faults.MATTERS).sum()
+        assert surely <= row["matter"] <= perhaps
 
 
 def test_what_the_record_says_of_all_kinds():

@@ -629,7 +629,7 @@ def test_true_rests_that_are_given_do_not_roll(seed):
 
 def test_a_walk_without_a_fault_has_no_lag():
     """From three and a half standard deviations of the lags of sound walks on."""
-    for lag, told in ((0.03, False), (0.08, True)):
+    for lag, told in ((0.04, False), (0.065, True)):
         late = inject.late_half(walked().walk.recording, "frame", "gyr", lag)
         codes = {f.code for f in find_faults(late, walked().tape, walked().mount)}
         assert ("lag" in codes) == told
