@@ -68,13 +68,14 @@ lock:                     ## renew constraints.txt: the newest versions within t
 clean:                    ## forget built pages, executed notebooks and wheels
 	rm -rf _build build dist
 
-# uv installs what pip would, in a tenth of the time; where it can't be had or fails, pip does it.
+# uv installs what pip would, in a tenth of the time. Where it can't be had or fails, and where pip
+# has an index of its own, which uv does not read, pip does it.
 # Python compiles what is imported; pip would compile everything, one file after the other.
 PIP := $(BIN)/python -m pip install --disable-pip-version-check --quiet
+UV := $(if $(PIP_INDEX_URL)$(PIP_NO_INDEX),false,$(PIP) "uv>=0.4,<1" 2>/dev/null)
 $(VENV)/.installed: requirements.txt constraints.txt pyproject.toml setup.py
 	$(PYTHON) -m venv $(VENV)
-	$(PIP) "uv>=0.4,<1" && \
-	    $(BIN)/uv pip install --quiet --no-cache --python $(BIN)/python -r requirements.txt || \
+	$(UV) && $(BIN)/uv pip install --quiet --no-cache --python $(BIN)/python -r requirements.txt || \
 	    $(PIP) --no-compile -r requirements.txt
 	mkdir -p $(VENV)/etc/ipython
 	echo "c.IPKernelApp.log_level = 'ERROR'  # kernels talk to this machine only: no notice of it" \

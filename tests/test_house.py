@@ -8,6 +8,7 @@ import json
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -311,6 +312,17 @@ def test_every_chapter_is_in_the_table_of_contents():
     toc = (ROOT / "book" / "_toc.yml").read_text()
     for path in NOTEBOOKS:
         assert str(path.relative_to(ROOT).with_suffix("")) in toc
+
+
+def test_tests_that_are_left_to_the_slow_step_are_there():
+    for place, tests in tomllib.loads((ROOT / "tests" / "rare.toml").read_text()).items():
+        parts = place.split(".")
+        within = parts.pop() if parts[-1][0].isupper() else None
+        tree = ast.parse((ROOT / "tests").joinpath(*parts).with_suffix(".py").read_text())
+        if within is not None:
+            tree = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name == within)
+        names = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+        assert set(tests) <= names, place
 
 
 def test_version_is_stated_once_for_all():
