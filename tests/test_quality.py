@@ -129,7 +129,7 @@ def test_an_accelerometer_beside_a_gyroscope_that_turns():
     assert np.ptp(turned_gravity(still, 0 * still + 0.05, RATE_HZ), axis=0).max() < 1e-9
 
 
-@pytest.mark.parametrize(("axis_deg", "frozen"), [(0, False), (90, True)])
+@pytest.mark.parametrize(("axis_deg", "frozen"), [(0, False), (20, True), (90, True)])
 def test_a_turn_about_gravity_lets_a_coarse_accelerometer_repeat_itself(axis_deg, frozen):
     """A frame that turns on the spot: gravity and the centripetal force stay in its axes.
 

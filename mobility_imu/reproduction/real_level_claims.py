@@ -218,7 +218,6 @@ HEADLINES: tuple[Headline, ...] = (
                 "end: inside the stated 95 % interval",
                 "1",
                 "covered",
-                _SIZES,
             ),
             ("corridor_steps_right", _STEPS, "walks whose steps are all counted", "1", "fraction"),
         )

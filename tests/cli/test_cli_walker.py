@@ -93,13 +93,16 @@ def test_a_sensor_of_unknown_scale_makes_the_stated_deviations_larger(tmp_path, 
     assert part == pytest.approx(np.sqrt(0.02**2 - 0.01**2) * wide["x_m"], rel=0.01)
     fails(*trajectory(mount=TRUE_MOUNT), "--scale-percent", "-1", says=["scale_sd"])
 
-    def height_sd(*options):
-        from mobility_imu.walker import WalkerMount
+    from mobility_imu.walker import WalkerMount
 
+    def height_sd(*options):
         works(*calibrate(), *options)
         return WalkerMount.from_toml(tmp_path / "m.toml").translation_sd_m[2]
 
     assert height_sd() > 2 * height_sd("--scale-percent", "0.3")
+    exact = WalkerMount.from_toml(tmp_path / "m.toml").rotation_sd_rad
+    works(*calibrate())
+    assert (WalkerMount.from_toml(tmp_path / "m.toml").rotation_sd_rad > 2 * exact)[:2].all()
 
 
 def test_rests_that_are_known(tmp_path, works, fails):

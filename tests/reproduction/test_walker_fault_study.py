@@ -95,7 +95,10 @@ def test_the_record_has_a_hundred_of_each_kind():
     for row in kept["kinds"]:
         mine = cases[(cases["kind"] == row["kind"]) & (cases["found_as"] != "refused")]
         # The record keeps three digits: a ratio just above two is two there.
-        surely, perhaps = (mine["ratio"] > faults.MATTERS).sum(), (mine["ratio"] >= faults.MATTERS).sum()
+        surely, perhaps = (
+            (mine["ratio"] > faults.MATTERS).sum(),
+            (mine["ratio"] >= faults.MATTERS).sum(),
+        )
         assert surely <= row["matter"] <= perhaps
 
 

@@ -224,6 +224,9 @@ def test_a_side_that_the_sensors_errors_explain_is_not_told():
     Exchanged sides are told anyway.
     """
     frame, sd = WalkerGeometry(0.6, 0.5), (0.05, 0.01)
+    assert not footprint_warnings((0.69, 0.5), frame)
+    for one_side in ((np.nan, 0.6), (0.5, np.nan)):
+        assert not footprint_warnings(one_side, frame)
     assert len(footprint_warnings((0.77, 0.5), frame)) == 1
     assert not footprint_warnings((0.77, 0.5), frame, sd)
     assert len(footprint_warnings((0.79, 0.5), frame, sd)) == 1
@@ -231,7 +234,7 @@ def test_a_side_that_the_sensors_errors_explain_is_not_told():
 
 
 def test_tilts_of_a_cheap_sensor_on_a_right_footprint_are_not_told():
-    """By a sensor as real ones are the sides are 12 cm off, but not if it were a calibrated one."""
+    """By a sensor as real ones are the sides are 10 cm off, too much only for a calibrated one."""
     run, tape = tilt_run(82, "1", REAL_LEVEL)
     assert "poses" not in {fault.code for fault in find_tilt_faults(run.recording, tape)}
     sensor = NavigationSettings.for_calibrated_sensor()

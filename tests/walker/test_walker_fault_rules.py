@@ -654,6 +654,13 @@ def test_a_gyroscope_in_another_unit_is_told_with_its_size(factor, words):
     assert words in found.sentence and ("deg/s" in found.sentence) == (factor < 0.05)
 
 
+@pytest.mark.parametrize(("factor", "told"), [(1.05, False), (1.08, True)])
+def test_a_scale_of_the_tilts_is_told_from_six_per_cent_on(factor, told):
+    wrong = inject.scale(walked().tilts.recording, "frame", "gyr", factor)
+    codes = {fault.code for fault in find_tilt_faults(wrong, walked().tape)}
+    assert ("scale" in codes) == told
+
+
 def test_a_scale_at_the_end_of_what_is_looked_for_is_a_bound(monkeypatch):
     fit = HalvesFit(True, np.ones(3), scale=rest_checks.MOST[1], scale_sd=0.5)
     monkeypatch.setattr(fault_checks, "fit_halves", lambda readings: fit)
