@@ -11,7 +11,7 @@ from mobility_imu.reproduction.walker import faults
 from mobility_imu.reproduction.walker.fault_kinds import KINDS, TILT_KINDS
 
 RECORD = "faults_walker"
-TOLD, RIGHT, TOLD_LARGE, TILTS_ALARMED = 0.81, 0.78, 0.93, 0.06
+TOLD, RIGHT, TOLD_LARGE = 0.85, 0.83, 0.95
 
 
 @pytest.mark.parametrize("kind", ["reversed gyroscope", "clock", "rolls", "tilts, scale"])
@@ -103,13 +103,11 @@ def test_the_record_has_a_hundred_of_each_kind():
 
 
 def test_what_the_record_says_of_all_kinds():
-    """Floors under the computed figures. 98 % told and 1 % of false alarms of tilts are missed.
+    """Floors under the computed figures. The goal of 98 % told is missed.
 
-    Of the faults that are read and move the result by more than two stated deviations 85 % are
-    told, of those that move it by more than ten 96 %. Lags below 0.07 s are not told: sound walks
-    show them up to 0.055 s, and undoing one of a sound walk moves its end by half a metre. With
-    those of 0.05 to 0.07 s it would be 97 %. Of the tilts without a fault 5 % have an alarm, on
-    the earlier seeds 2.7 %; the limit was 3 %.
+    Of the faults that are read and move the result by more than two stated deviations 88 % are
+    told, of those that move it by more than ten 98 %. Walks and tilts without a fault that have
+    an alarm are 0.9 % together.
     """
     kept = numbers(RECORD)
     cases = faults.table(kept)
@@ -123,8 +121,7 @@ def test_what_the_record_says_of_all_kinds():
         sum(level[name] for level in levels)
         for name in ("recordings", "walk_with_alarm", "tilts_with_alarm")
     )
-    assert recordings >= 200 and walks <= 0.01 * recordings
-    assert 0.01 * recordings < tilts <= TILTS_ALARMED * recordings, tilts
-    assert all(
-        level["tilts_with_alarm"] == 0 for name, level in kept["clean"].items() if name != "real"
-    )
+    assert recordings >= 200 and walks + tilts <= 0.01 * 2 * recordings, (walks, tilts)
+    for name, level in kept["clean"].items():
+        if name != "real":
+            assert level["walk_with_alarm"] == level["tilts_with_alarm"] == 0, name
