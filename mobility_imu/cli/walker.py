@@ -29,6 +29,9 @@ if TYPE_CHECKING:
         WalkerMount,
     )
 
+SCALE_PERCENT = (1e-4, 100.0)
+"""Least and largest of ``--scale-percent``, as the settings of the path allow them."""
+
 app = sub_app("Walking frame: mount of the IMU, and path.")
 ScalePercent = Annotated[
     float,
@@ -42,6 +45,9 @@ ScalePercent = Annotated[
 def _settings(scale_percent: float) -> NavigationSettings:
     from mobility_imu.walker import NavigationSettings
 
+    least, most = SCALE_PERCENT
+    if not least <= scale_percent <= most:
+        raise InputError(f"--scale-percent {scale_percent:g}: expected {least:g} to {most:g}")
     return NavigationSettings(scale_sd=scale_percent / 100, axes_sd_rad=scale_percent / 100)
 
 

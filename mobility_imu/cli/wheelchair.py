@@ -32,6 +32,7 @@ Camber = Literal["sign-safe", "printed"]
 Smoothing = Literal["none", "moving-average", "savitzky-golay"]
 Edge = Literal["covering", "tool"]
 FILTER_WINDOW, FILTER_ORDER = 7, 2
+MOST_SCALE_PERCENT = 100.0
 PICTURES = (".png", ".svg", ".pdf")
 
 Trial = Annotated[
@@ -209,6 +210,11 @@ def check(
     from mobility_imu.wheelchair import WheelchairGeometry, check_geometry, find_faults
     from mobility_imu.wheelchair.faults import ranges_told
 
+    if not 0 <= gyroscope_scale_percent <= MOST_SCALE_PERCENT:
+        raise InputError(
+            f"--gyroscope-scale-percent {gyroscope_scale_percent:g}: expected 0 to "
+            f"{MOST_SCALE_PERCENT:g}"
+        )
     chair = WheelchairGeometry.from_toml(geometry)
     drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s)
     calibration = _calibrated(drive, still, line)
@@ -310,11 +316,11 @@ def tasks(
     if figure is not None:
         needs("matplotlib")  # before the work, not after it
     from mobility_imu.cli.summaries import tasks_lines, written_line
-    from mobility_imu.wheelchair import identify_tasks, task_events
+    from mobility_imu.wheelchair import task_events
     from mobility_imu.wheelchair.outcomes import turn_direction
 
     thresholds, series = read_series(velocity, settings, sampling_rate_hz, units)
-    found = identify_tasks(series, thresholds, edge=edge)
+    found = _identified(velocity, series, thresholds, edge)
     warn(found.warnings)
     table = found.to_frame()
     if direction:
@@ -335,6 +341,21 @@ def tasks(
     rate = series.sampling_rate_hz
     read = f"read: {velocity}: {len(found) / rate:.1f} s at {rate:.5g} Hz"
     summarize([read, *tasks_lines(found), written_line(contents)], quiet)
+
+
+def _identified(
+    velocity: Path, series: VelocitySeries, thresholds: TaskSettings, edge: Edge
+) -> Tasks:
+    """Tasks; an error names the file, and its clock where that may be the cause."""
+    from mobility_imu.wheelchair import identify_tasks
+
+    try:
+        return identify_tasks(series, thresholds, edge=edge)
+    except InputError as error:
+        text = str(error) if str(velocity) in str(error) else f"{velocity}: {error}"
+        if thresholds.segment_s * series.sampling_rate_hz < 1:
+            text += "; are its times in s, and no count of samples?"
+        raise InputError(text) from None
 
 
 def read_series(

@@ -12,13 +12,15 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.layout import comma_separated, from_names
+from mobility_imu.readers.layout import comma_separated, from_names, split_row
 from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream, factor
 from mobility_imu.readers.table import line_of
 from mobility_imu.readers.wording import listed, quoted
 
 ELAPSED = "Time since start in ms"
 WALL = "YYYY-MO-DD HH-MI-SS_SSS"
+SENSORS = ("ACCELEROMETER", "GYROSCOPE")
+ZONE = r"(?: ?Z| ?[+-]\d\d:?\d\d)?"
 WALL_PART, WALL_S = 0.05, 0.1
 """Elapsed time and wall clock agree to this part and this time: far less than the factor of 1,000
 between the units, more than a phone's clock is set right by on the way. Set by hand."""
@@ -62,8 +64,10 @@ def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]
     """
     import pandas as pd
 
+    plain = comma_separated(from_names(text))
+    _check_once([name.strip() for name in split_row(plain.partition("\n")[0], ",")], source)
     try:
-        table = pd.read_csv(io.StringIO(comma_separated(from_names(text))), index_col=False)
+        table = pd.read_csv(io.StringIO(plain), index_col=False)
     except (ValueError, pd.errors.ParserError) as error:
         raise InputError(f"{source}: cannot be read as a table ({quoted(str(error))})") from None
     if not len(table):
@@ -73,11 +77,24 @@ def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]
     wall = _seconds_of_day(_column(table, WALL, source), source, line)
     elapsed = _numbers(_column(table, ELAPSED, source), ELAPSED, source, line)
     elapsed *= _unit_of_elapsed(elapsed, wall, source)
-    acc = _vectors(table, "ACCELEROMETER", "acc", source, line)
+    accelerometer, gyroscope = SENSORS
+    acc = _vectors(table, accelerometer, "acc", source, line)
     turns = any(name.startswith("GYRO") for name in table.columns)  # some phones have none
-    gyr = _vectors(table, "GYROSCOPE", "gyr", source, line) if turns else None
+    gyr = _vectors(table, gyroscope, "gyr", source, line) if turns else None
     time_s = elapsed + np.median(wall - elapsed)
     return (Stream(time_s, acc, gyr, source=source),)
+
+
+def _check_once(names: list[str], source: str) -> None:
+    """Check that no column that is read is there twice; pandas would give the second a new name."""
+    axes = [f"{sensor} {axis} (" for sensor in SENSORS for axis in "XYZ"]
+    for wanted in (ELAPSED, WALL, *axes):
+        found = [n for n in names if n == wanted or (wanted in axes and n.startswith(wanted))]
+        if len(found) > 1:
+            raise InputError(
+                f"{source}: column {wanted.rstrip(' (')} is there twice ({listed(found)}); remove "
+                "the one that is wrong"
+            )
 
 
 def _vectors(
@@ -121,17 +138,23 @@ def _cell(column: Any, row: int) -> str:
 
 
 def _seconds_of_day(column: Any, source: str, line: Callable[[int], int]) -> FloatArray:
-    """Wall clock in s since the first row's midnight; the last separator may be a colon."""
+    """Wall clock in s since the first row's midnight; the last separator may be a colon.
+
+    Stamps may tell their distance to UTC, which changes where summer time begins or ends.
+    """
     import pandas as pd
 
-    dates = column.astype(str).str.replace(r"[:_.](\d{3})$", r".\1", regex=True)
-    parsed = pd.to_datetime(dates, errors="coerce")
+    dates = column.astype(str).str.replace(rf"[:_.](\d{{3}})(?={ZONE}$)", r".\1", regex=True)
+    parsed = pd.to_datetime(dates, errors="coerce", utc=True)
     if parsed.isna().any():
         k = int(np.argmax(parsed.isna()))
         raise InputError(
             f"{source}: line {line(k)}: '{quoted(_cell(column, k))}' is no date and time"
         )
-    return np.array((parsed - parsed.iloc[0].normalize()).dt.total_seconds(), float)
+    midnight = pd.to_datetime(dates.iloc[:1]).iloc[0].normalize()  # where the phone was
+    if midnight.tzinfo is None:
+        midnight = midnight.tz_localize("UTC")
+    return np.array((parsed - midnight).dt.total_seconds(), float)
 
 
 def _unit_of_elapsed(elapsed: FloatArray, wall: FloatArray, source: str) -> float:

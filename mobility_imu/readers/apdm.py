@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
+
 from mobility_imu.errors import InputError
+from mobility_imu.frames import GAP_FACTOR, FloatArray
 from mobility_imu.readers.layout import comma_separated, split_row
-from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream, factor
+from mobility_imu.readers.streams import LARGEST_RATE_DIFFERENCE, TIME_UNITS, Asked, Stream, factor
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import quoted
 
@@ -65,7 +68,7 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
     lines = text.split("\n", 4)
     if len(lines) < 5:
         raise InputError(f"{source}: an APDM export needs five lines or more")
-    stated = re.match(r"Sample Rate:,\s*([\d.]+),\s*Hz", lines[1])
+    stated = re.match(r"Sample Rate:,\s*(\d+(?:\.\d*)?),\s*Hz", lines[1], re.ASCII)
     names = [name.strip() for name in split_row(lines[2].rstrip("\r"), ",")]
     row = (unit.strip() for unit in split_row(lines[3].rstrip("\r"), ","))
     units = dict(zip(names, row, strict=False))
@@ -78,8 +81,9 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
         first_line=4,
         wanted=read.__contains__,
     )
-    time_s = table.columns(["Time"], finite=True)[:, 0]
-    streams = []
+    time_s = table.columns(["Time"], finite=True)[:, 0] * _time_scale(units.get("Time", ""), source)
+    said = _contradicted(float(stated[1]), time_s, source) if stated else ()
+    streams: list[Stream] = []
     for label in dict.fromkeys(part[0] for part in parts if len(part) == 3):
         found = {}
         for title, quantity in QUANTITIES.items():
@@ -94,10 +98,35 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
         streams.append(
             Stream(
                 time_s, found["acc"], found.get("gyr"), source=source, label=label,
-                rate_from="the file's head" if stated else "its clock",
+                warnings=() if streams else said,
             )
         )  # fmt: skip
     return tuple(streams)
+
+
+def _time_scale(unit: str, source: str) -> float:
+    """What times are multiplied by to be in s; without a unit they are in s."""
+    scale = TIME_UNITS.get(unit or "s")
+    if scale is None:
+        raise InputError(
+            f"{source}: time in '{quoted(unit)}' is not known; expected {', '.join(TIME_UNITS)}"
+        )
+    return scale
+
+
+def _contradicted(stated_hz: float, time_s: FloatArray, source: str) -> tuple[str, ...]:
+    """Sentence on a rate of the head that the clock does not have; the clock is kept."""
+    step = np.diff(time_s)
+    step = step[step > 0]
+    if not len(step):
+        return ()
+    own_hz = 1 / float(np.mean(step[step <= GAP_FACTOR * np.median(step)]))
+    if abs(stated_hz - own_hz) <= LARGEST_RATE_DIFFERENCE * own_hz:
+        return ()
+    return (
+        f"{source}: the {stated_hz:g} Hz of its head are not used: its column Time has "
+        f"{own_hz:.5g} Hz; if the times are wrong, correct them",
+    )
 
 
 def _format_7(text: str, source: str) -> tuple[Stream, ...]:

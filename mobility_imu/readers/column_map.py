@@ -13,13 +13,13 @@
     gyr_unit = "deg/s"
 
 ``first_row = 3`` in ``[clock]`` names the line of the names, if it is not the first. A file without
-names has ``names = ["t", "ax", ...]`` at the top level of the map.
+names has ``names = ["t", "ax", ...]`` at the top level of the map. The names of sensors are of
+letters, digits and ``_``, as canonical CSV has them.
 """
 
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -28,12 +28,13 @@ from typing import Any
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, shown
 from mobility_imu.readers.clocks import check_rate
+from mobility_imu.readers.geometry import is_repeated, read_toml
 from mobility_imu.readers.json_samples import json_table
 from mobility_imu.readers.layout import SEPARATORS, split_row
 from mobility_imu.readers.streams import TIME_UNITS, Stream, factor, known_unit
-from mobility_imu.readers.table import MEND_ROW, NumberTable, parse_numbers, read_text
+from mobility_imu.readers.table import MEND_ROW, NumberTable, parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
 CLOCK_WORDS = {unit: unit for unit in TIME_UNITS} | {"µs": "us", "μs": "us", "sec": "s"}
@@ -58,20 +59,12 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
     Raises
     ------
     InputError
-        If the map misses something or has an unknown key, a column is not there, or a cell of it
-        is no finite number.
+        If the map misses something, has an unknown key or value, or uses a column twice, a column
+        is not there, or a cell of it is no finite number.
     """
     plan = _plan(map_path)
     clock, sensors = plan["clock"], plan["sensors"]
-    read = {
-        name.lstrip("-")
-        for sensor in sensors.values()
-        for key in ("acc", "gyr")
-        for name in sensor.get(key, ())
-    }
-    if isinstance(clock.get("column"), str):
-        read.add(clock["column"])
-    table = _table(text, source, plan, read, map_path)
+    table = _table(text, source, plan, set(_used(clock, sensors)), map_path)
     time_s, rate_from = _times(table, clock, map_path)
     said = _other_units(clock, sensors, source, map_path)
     streams = []
@@ -90,6 +83,17 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
         )  # fmt: skip
         said = ()
     return tuple(streams)
+
+
+def _used(clock: dict[str, Any], sensors: dict[str, Any]) -> list[str]:
+    """Names of the columns that a map uses, without signs."""
+    axes = [
+        name.removeprefix("-")
+        for sensor in sensors.values()
+        for key in ("acc", "gyr")
+        for name in sensor.get(key, ())
+    ]
+    return [clock["column"], *axes] if "column" in clock else axes
 
 
 def _other_units(
@@ -132,9 +136,7 @@ def _table(
         raise InputError(f"{source}: has no line {first}, where {map_path} expects the names")
     body = lines[first - 1]
     if "names" in plan:
-        names = plan["names"]
-        if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
-            raise InputError(f"{map_path}: names must be a list of texts")
+        names = _quoted_names(plan["names"])
         body = _with_tabs(body, len(names))
         separator = _separator(body, len(names))
         body = separator.join(names) + "\n" + body
@@ -144,6 +146,16 @@ def _table(
     table = parse_numbers(body, source=source, first_line=first, wanted=read.__contains__)
     table.check_finite(range(len(table.header)), advice=MEND_ROW)
     return table
+
+
+def _quoted_names(names: Sequence[str]) -> list[str]:
+    """Names as cells of a line: a separator in one is part of it.
+
+    A column without a name gets one: at an end of the line it would be taken for an index, or for
+    what a separator too many leaves, and every other column would move.
+    """
+    named = (name.strip() or f"unnamed {k + 1}" for k, name in enumerate(names))
+    return ['"' + name.replace('"', '""') + '"' for name in named]
 
 
 def _with_tabs(body: str, count: int | None = None) -> str:
@@ -170,36 +182,84 @@ def _separator(body: str, count: int) -> str:
 
 
 def _plan(path: str | Path) -> dict[str, Any]:
-    try:
-        plan = tomllib.loads(read_text(path))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{path}: not valid TOML ({error})") from None
+    """Content of a map, checked: what is left to find out is whether it fits the table."""
+    plan = read_toml(path)
+    sensors = plan.get("sensors")
+    sections = {"clock": plan.get("clock"), "sensors": sensors}
+    if isinstance(sensors, dict):
+        sections |= {f"sensors.{quoted(name)}": sensor for name, sensor in sensors.items()}
+    for name, value in sections.items():
+        if is_repeated(value):
+            raise InputError(f"{path}: write [{name}], not [[{name}]]")
     unknown = set(plan) - {"clock", "sensors", "names"}
-    clock, sensors = plan.get("clock"), plan.get("sensors")
+    clock = plan.get("clock")
     if unknown or not isinstance(clock, dict) or not isinstance(sensors, dict) or not sensors:
         what = f"{listed(sorted(unknown))} is unknown" if unknown else "something is missing"
         raise InputError(f"{path}: {what}; a map has [clock] and [sensors.<name>]")
-    _known(clock, CLOCK_KEYS, f"{path}, [clock]")
+    names = plan.get("names", [])
+    if not isinstance(names, list) or not all(map(_is_one_line, names)):
+        raise InputError(f"{path}: names must be a list of texts, each of one line")
+    _check_clock(clock, path)
+    _check_sensors(sensors, path)
+    used = _used(clock, sensors)
+    twice = next((name for k, name in enumerate(used) if name in used[:k]), None)
+    if twice is not None:
+        raise InputError(
+            f"{path}: column '{quoted(twice)}' is named twice; each column is the time, or one "
+            "axis of one sensor"
+        )
+    return plan
+
+
+def _check_clock(clock: dict[str, Any], path: str | Path) -> None:
+    place = f"{path}, [clock]"
+    _known(clock, CLOCK_KEYS, place)
     if ("column" in clock) == ("rate_hz" in clock):
-        raise InputError(f"{path}, [clock]: expected either column or rate_hz")
+        raise InputError(f"{place}: expected either column or rate_hz")
+    if "rate_hz" in clock:
+        check_rate(clock["rate_hz"], f"{place} rate_hz")
+        return
+    if not _is_name(clock["column"]):
+        raise InputError(f"{place} column: expected the name of a column")
+    unit = clock.get("unit")
+    if not isinstance(unit, str) or unit not in TIME_UNITS:
+        got = f", got {shown(unit)}" if "unit" in clock else ""
+        raise InputError(f"{place} unit: expected {', '.join(TIME_UNITS)}{got}")
+
+
+def _check_sensors(sensors: dict[str, Any], path: str | Path) -> None:
+    lower = [name.lower() for name in sensors]
     for name, sensor in sensors.items():
         place = f"{path}, [sensors.{quoted(name)}]"
+        if not re.fullmatch(r"\w+", name):
+            raise InputError(f"{place}: a sensor's name is of letters, digits and _ only")
+        if lower.count(name.lower()) > 1:
+            raise InputError(f"{place}: two sensors' names differ in upper and lower case alone")
         if not isinstance(sensor, dict) or "acc" not in sensor:
             raise InputError(f'{place}: expected acc = ["...", "...", "..."]')
         _known(sensor, SENSOR_KEYS, place)
         for quantity in ("acc", "gyr"):
-            columns = sensor.get(quantity)
+            columns, unit = sensor.get(quantity), f"{quantity}_unit"
             if columns is None:
                 continue
             if (
                 not isinstance(columns, list)
                 or len(columns) != 3
-                or not all(isinstance(c, str) for c in columns)
+                or not all(map(_is_name, columns))
             ):
                 raise InputError(f"{place}: {quantity} must name three columns")
-            if not isinstance(sensor.get(f"{quantity}_unit"), str):
-                raise InputError(f"{place}: {quantity}_unit is missing")
-    return plan
+            if unit not in sensor:
+                raise InputError(f"{place}: {unit} is missing")
+            if not isinstance(sensor[unit], str):
+                raise InputError(f"{place} {unit} = {shown(sensor[unit])}: expected a text")
+
+
+def _is_one_line(value: object) -> bool:
+    return isinstance(value, str) and not re.search(r"[\r\n]", value)
+
+
+def _is_name(value: object) -> bool:
+    return isinstance(value, str) and value.strip("- ") != ""
 
 
 def _known(table: dict[str, Any], keys: set[str], place: str) -> None:
@@ -220,13 +280,8 @@ def _times(table: NumberTable, clock: dict[str, Any], path: str | Path) -> tuple
     if "rate_hz" in clock:
         rate = check_rate(clock["rate_hz"], f"{path}, [clock] rate_hz")
         return np.arange(len(table)) / rate, f"{Path(path).name}"
-    unit = clock.get("unit")
-    if unit not in TIME_UNITS:
-        raise InputError(f"{path}, [clock] unit: expected {', '.join(TIME_UNITS)}")
-    column = clock["column"]
-    if not isinstance(column, str):
-        raise InputError(f"{path}, [clock] column: expected the name of a column")
-    return np.asarray(table.columns([column])[:, 0] * TIME_UNITS[unit]), "its clock"
+    times = table.columns([clock["column"]])[:, 0]
+    return np.asarray(times * TIME_UNITS[clock["unit"]]), "its clock"
 
 
 def _signed(table: NumberTable, columns: Sequence[str]) -> FloatArray:

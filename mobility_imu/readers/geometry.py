@@ -135,16 +135,7 @@ def find_table(path: str | Path, section: str) -> dict[str, Any] | None:
     InputError
         No such file, no TOML, or a section that no geometry file has (perhaps a misspelt one).
     """
-    text = read_text(path, again=True)  # geometry and mount are two sections of one file
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not valid TOML ({quoted(str(error), 200)})") from None
-    except RecursionError:
-        raise InputError(f"{path}: not valid TOML for a geometry (nested too deeply)") from None
-    except ValueError:
-        # Python converts no decimal integer of more than some thousand digits.
-        raise InputError(f"{path}: a number has too many digits") from None
+    table = read_toml(path, again=True)  # geometry and mount are two sections of one file
     _check_sections(table, path)
     for name in section.split("."):
         found = table.get(name)
@@ -152,6 +143,49 @@ def find_table(path: str | Path, section: str) -> dict[str, Any] | None:
             return None
         table = found
     return table
+
+
+def read_toml(path: str | Path, *, again: bool = False) -> dict[str, Any]:
+    """Content of a TOML file.
+
+    Parameters
+    ----------
+    path : TOML file
+    again : whether it is read more than once, which no pipe allows
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    InputError
+        No such file, or no TOML.
+    """
+    text = read_text(path, again=again)
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not valid TOML ({quoted(str(error), 200)})") from None
+    except RecursionError:
+        raise InputError(f"{path}: not valid TOML (nested too deeply)") from None
+    except ValueError:
+        # Python converts no decimal integer of more than some thousand digits.
+        raise InputError(f"{path}: a number has too many digits") from None
+
+
+def is_repeated(value: object) -> bool:
+    """Whether a value of a TOML file comes from sections in two brackets, ``[[name]]``.
+
+    Parameters
+    ----------
+    value : what the file has
+
+    Returns
+    -------
+    bool
+    """
+    return isinstance(value, list) and any(isinstance(part, dict) for part in value)
 
 
 def as_number(value: object) -> float | None:
@@ -190,18 +224,17 @@ def _as_array(value: object, shape: tuple[int, ...]) -> FloatArray:
 
 
 def _check_sections(table: dict[str, Any], path: str | Path) -> None:
-    unknown = [name for name, value in table.items() if not _is_section(name, value)]
-    unknown += [
-        f"{device}.{name}"
-        for device, section in table.items()
-        if _is_section(device, section)
-        for name, value in section.items()
-        if isinstance(value, dict) and f"{device}.{name}" not in SECTIONS
-    ]
+    named = dict(table)
+    for device, section in table.items():
+        if device in SECTIONS and isinstance(section, dict):
+            inner = {f"{device}.{name}": value for name, value in section.items()}
+            # What is neither a section nor called like one is a number of the device.
+            named |= {n: v for n, v in inner.items() if n in SECTIONS or isinstance(v, dict)}
+    for name, value in named.items():
+        if name in SECTIONS and not isinstance(value, dict):
+            instead = f"[[{name}]]" if is_repeated(value) else f"{name} = {shown(value)}"
+            raise InputError(f"{path}: write [{name}], not {instead}")
+    unknown = [name for name in named if name not in SECTIONS]
     if unknown:
         known = ", ".join(f"[{name}]" for name in SECTIONS)
         raise InputError(f"{path}: {listed(unknown)} is unknown (known sections: {known})")
-
-
-def _is_section(name: str, value: object) -> bool:
-    return name in SECTIONS and isinstance(value, dict)

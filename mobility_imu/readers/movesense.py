@@ -20,6 +20,8 @@ from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
 from mobility_imu.readers.wording import listed
 
 LISTS = ("IMU9", "IMU6", "IMU6m")
+LARGEST_STAMP_MS = 2**53
+"""From here on a float does not hold every whole number."""
 
 
 def is_movesense(text: str) -> bool:
@@ -119,10 +121,22 @@ def _spread(
 
 
 def _stamps(blocks: list[Any], source: str) -> FloatArray:
-    try:
-        return np.array([json_number(block["Timestamp"]) for block in blocks]) * TIME_UNITS["ms"]
-    except (KeyError, TypeError, ValueError):
-        raise InputError(f"{source}: a block without Timestamp in ms") from None
+    """Stamps of the blocks, s."""
+    found = []
+    for k, block in enumerate(blocks):
+        try:
+            stamp = json_number(block["Timestamp"])
+        except (KeyError, TypeError, ValueError):
+            raise InputError(
+                f"{source}: block {k} without Timestamp in ms; correct it, or take out the block"
+            ) from None
+        if not 0 <= stamp < LARGEST_STAMP_MS:  # also what is NaN
+            raise InputError(
+                f"{source}: block {k}: Timestamp is {stamp:g}, expected ms; correct it, or take "
+                "out the block"
+            )
+        found.append(stamp)
+    return np.array(found) * TIME_UNITS["ms"]
 
 
 def _vectors(blocks: list[Any], name: str, source: str) -> tuple[FloatArray, list[int]]:
@@ -135,6 +149,11 @@ def _vectors(blocks: list[Any], name: str, source: str) -> tuple[FloatArray, lis
             raise InputError(f"{source}: block {k}: no {name} with numbers x, y, z") from None
         if not here:
             raise InputError(f"{source}: block {k}: {name} is empty")
+        if not np.isfinite(here).all():
+            raise InputError(
+                f"{source}: block {k}: a value of {name} is no finite number; correct it, or take "
+                "out the block"
+            )
         rows += here
         lengths.append(len(here))
     return np.array(rows), lengths

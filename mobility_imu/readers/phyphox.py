@@ -17,10 +17,10 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.halves import Half, Pause, join_halves
-from mobility_imu.readers.layout import find_layout, split_row
+from mobility_imu.readers.layout import check_names, find_layout, split_row
 from mobility_imu.readers.quantities import find_triple, vectors
 from mobility_imu.readers.streams import Asked, Stream
-from mobility_imu.readers.table import parse_numbers
+from mobility_imu.readers.table import line_of, parse_numbers
 from mobility_imu.readers.wording import listed
 
 TIME = "Time (s)"
@@ -200,9 +200,17 @@ def _events(text: str, source: str) -> Events:
     names = [name.strip('"').lower() for name in layout.names]
     if not {"event", EXPERIMENT_TIME} <= set(names):
         return Events()
+    used = ("event", EXPERIMENT_TIME, SYSTEM_TIME)
+    check_names([name for name in names if name in used], source)
     rows: list[tuple[str, float, float]] = []
-    for line in filter(str.strip, layout.body.splitlines()):
-        row = dict(zip(names, split_row(line, layout.separator), strict=False))
+    for k, line in enumerate(filter(str.strip, layout.body.splitlines())):
+        cells = split_row(line, layout.separator)[layout.indexed :]
+        row = dict(zip(names, cells, strict=False))
+        if not {"event", EXPERIMENT_TIME} <= set(row):
+            raise InputError(
+                f"{source}: line {line_of(text, k)} has {len(cells)} of {len(names)} cells; was "
+                "the file cut short? Export it again, or remove it if there was no pause"
+            )
         experiment_s, system_s = (
             _number(row.get(name, "").replace(",", ".")) for name in (EXPERIMENT_TIME, SYSTEM_TIME)
         )

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from mobility_imu.errors import InputError
+from mobility_imu.readers.sessions import is_regular
 from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import read_text
 from mobility_imu.readers.wording import listed
@@ -121,7 +122,7 @@ def of_one_prefix(prefix: Path, parts: Mapping[str, Path], asked: Asked) -> tupl
     exports = {name: parse_export(read_text(file), str(file)) for name, file in parts.items()}
     streams = join_exports(exports, asked)
     others = [file for file in _begin_alike(prefix) if file not in parts.values()]
-    unknown = [file.name for file in others if is_xsens_mt(first_line(file))]
+    unknown = [file.name for file in others if _is_export(file)]
     if not unknown:
         return streams
     said = f"{prefix}: not used, since no word for a sensor is in the name: {listed(unknown)}"
@@ -140,10 +141,10 @@ def exports_in(folder: Path) -> str:
     str, empty if there are none
     """
     begins: dict[str, None] = {}
-    for file in sorted(folder.glob("*.txt")):
+    for file in filter(is_regular, sorted(folder.glob("*.txt"))):
         stem = _plain(file.stem)
         words = [stem.find(w) for found in SENSOR_WORDS.values() for w in found if w in stem]
-        if words and is_xsens_mt(first_line(file)):
+        if words and _is_export(file):
             begins[re.sub(r"[\W_]*$", "", file.stem[: min(words)])] = None
     names = [name for name in begins if name]
     if not names:
@@ -162,7 +163,8 @@ def _begin_alike(prefix: Path) -> list[Path]:
     try:
         if not prefix.parent.is_dir() or not prefix.name:
             return []
-        files = sorted(p for p in prefix.parent.glob("*.txt") if p.stem.startswith(prefix.name))
+        alike = (p for p in prefix.parent.glob("*.txt") if p.stem.startswith(prefix.name))
+        files = sorted(filter(is_regular, alike))
     except (OSError, ValueError):
         return []
     trials: dict[tuple[str, ...], list[Path]] = {}
@@ -180,6 +182,14 @@ def _begin_alike(prefix: Path) -> list[Path]:
         several = listed(path.name for paths in trials.values() for path in paths)
         raise InputError(f"{prefix}: several trials begin like this ({several}); name one of them")
     return trials.get((), next(iter(trials.values()), []))
+
+
+def _is_export(neighbour: Path) -> bool:
+    """Whether a file that nobody named is an export; one that cannot be read is none."""
+    try:
+        return is_xsens_mt(first_line(neighbour))
+    except InputError:
+        return False
 
 
 def first_line(path: Path) -> str:

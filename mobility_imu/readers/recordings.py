@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -162,6 +162,7 @@ def understand(
     except InputError as error:
         raise InputError(f"{error}{_as_several(path, expected)}") from None
     named, said = _named(streams, expected, source, are_named=are_named)
+    _check_case(named, source)
     said = (*said, *asked.unused(streams))
     for name, stream in named.items():
         whose = stream.source if len(named) == 1 else f"{stream.source}, {name}"
@@ -511,6 +512,18 @@ def _named(
                 f"its name, as in {','.join(f'{name}=FILE' for name in asked)}"
             )
     return {str(name): stream for name, stream in zip(names, streams, strict=True)}, tuple(said)
+
+
+def _check_case(names: Iterable[str], source: str) -> None:
+    """Check that no two sensors differ in case only: columns of tables have names in any case."""
+    seen: dict[str, str] = {}
+    for name in names:
+        first = seen.setdefault(name.lower(), name)
+        if first != name:
+            raise InputError(
+                f"{source}: the sensors {first} and {name} differ only in upper and lower case; "
+                f"if they are one sensor, call it {name.lower()} everywhere, else rename one"
+            )
 
 
 def recording_files(path: str | Path | Sequence[str | Path]) -> list[Path]:

@@ -199,7 +199,13 @@ def _platform(files: Mapping[str, str], source: str) -> tuple[str, bool]:
         )
     names, _, row = files["Metadata"].strip().partition("\n")
     mark = max(",;", key=names.count)
-    told = dict(zip(split_row(names.strip(), mark), split_row(row.strip(), mark), strict=False))
+    columns = split_row(names.strip(), mark)
+    twice = [n for n in ("platform", "standardisation") if columns.count(n) > 1]
+    if twice:
+        raise InputError(
+            f"{source}/Metadata.csv: column {twice[0]} is there twice; remove the one that is wrong"
+        )
+    told = dict(zip(columns, split_row(row.strip(), mark), strict=False))
     platform = told.get("platform", "").lower()
     if platform not in ("android", "ios"):
         raise InputError(
@@ -217,7 +223,7 @@ def _platform(files: Mapping[str, str], source: str) -> tuple[str, bool]:
 def _epoch(text: str) -> float | None:
     """Time of day, s, at which the seconds of a file begin; None if it is not told exactly."""
     layout = find_layout(text, "")
-    if EPOCH_NS not in layout.names or ELAPSED not in layout.names:
+    if any(layout.names.count(name) != 1 for name in (EPOCH_NS, ELAPSED)):
         return None
     begins = []
     for row in (layout.body.lstrip().partition("\n")[0], layout.body.rstrip().rpartition("\n")[2]):
@@ -237,7 +243,12 @@ def _half(text: str, source: str) -> Half:
     columns = []
     for axis in "xyz":
         found = [n for n in names if re.fullmatch(rf"(?:\w*?)[_ ]?{axis}", n, re.IGNORECASE)]
-        if len(found) != 1:
+        if len(found) > 1:
+            raise InputError(
+                f"{source}: column {axis} is there twice ({listed(found)}); remove the one that is "
+                "wrong"
+            )
+        if not found:
             raise InputError(f"{source}: no column {axis} (it has: {listed(names)})")
         columns.append(found[0])
     table = parse_numbers(text, source=source, wanted={ELAPSED, *columns}.__contains__)

@@ -139,9 +139,14 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
         return [name for name in names if not _is_hidden(name)], lambda name: read_text(path / name)
     try:
         with zipfile.ZipFile(path) as archive:
-            names = [i.filename for i in archive.infolist() if not i.is_dir()]
+            names = [i.filename for i in archive.infolist() if i.filename and not i.is_dir()]
             names = [name for name in names if not _is_hidden(name)]
-    except (OSError, zipfile.BadZipFile, NotImplementedError) as error:
+    except UnicodeDecodeError:
+        raise InputError(
+            f"{path}: cannot be opened as an archive (the name of a file in it is not in UTF-8, as "
+            "it is marked); unpack it and give the folder"
+        ) from None
+    except (OSError, ValueError, OverflowError, *DAMAGED, NotImplementedError) as error:
         raise InputError(f"{path}: cannot be opened as an archive ({error})") from None
 
     def member(name: str) -> str:
@@ -152,7 +157,7 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
                 return decoded(archive.read(name), f"{path}/{quoted(name)}")
         except InputError:
             raise
-        except (OSError, ValueError, RuntimeError, *DAMAGED) as error:
+        except (OSError, ValueError, RuntimeError, OverflowError, *DAMAGED) as error:
             raise InputError(
                 f"{path}/{quoted(name)}: cannot be read ({quoted(str(error), 100)})"
             ) from None
@@ -208,7 +213,24 @@ def session_files(path: Path) -> list[Path]:
     if not path.is_dir():
         return [path]
     found = [*path.glob("*"), *path.glob("*/*"), *path.glob(f"*/{EVENTS}.csv")]
-    return [p for p in sorted(found) if p.is_file()]
+    return [p for p in sorted(found) if is_regular(p)]
 
 
-__all__ = ["NoSession", "is_session", "read_session", "session_files"]
+def is_regular(path: Path) -> bool:
+    """Whether a path is a file that can be looked at unasked: a pipe may never end.
+
+    Parameters
+    ----------
+    path : any path
+
+    Returns
+    -------
+    bool
+    """
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a folder that may be listed, but not entered
+        return False
+
+
+__all__ = ["NoSession", "is_regular", "is_session", "read_session", "session_files"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from mobility_imu.readers.wording import quoted
 
 
 def read_json_numbers(path: str | Path) -> dict[str, float | None]:
-    """Read a JSON object whose values are numbers or null.
+    """Read a JSON object whose values are finite numbers or null.
 
     Parameters
     ----------
@@ -46,7 +47,7 @@ def read_json_numbers(path: str | Path) -> dict[str, float | None]:
     numbers = {}
     for key, value in content.items():
         number = None if value is None else as_number(value)
-        if number is None and value is not None:
+        if value is not None and (number is None or not isfinite(number)):
             raise InputError(f"{path}: {quoted(key)} = {shown(value)}, expected a number")
         numbers[key] = number
     return numbers

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import csv
 import gzip
 import io
 import re
@@ -52,6 +53,9 @@ put together."""
 _BLANKS = " \t\r\v\f"
 """What the parser of numbers passes over; a space that is not to be broken is none of them."""
 _LINE_ENDS = re.compile(r"\r\n|\r|\n")
+MOST_RETURNS = 10
+"""Carriage returns without a line feed, for each line feed, that are no ends of lines. Double ends
+of lines have one. Set by hand."""
 PART_BYTES = 2**20
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 """Bytes that no text has, whatever its encoding."""
@@ -131,7 +135,17 @@ def decoded(raw: bytes, source: str) -> str:
         text = before[0].replace("\ufeff", "") + text[before.end() :]
     if not text.strip():
         raise EmptyFile(f"{source}: the file is empty")
-    return text if "\n" in text else text.replace("\r", "\n")
+    return _with_line_feeds(text)
+
+
+def _with_line_feeds(text: str) -> str:
+    """Text whose lines end in line feeds, if carriage returns alone end most of them."""
+    feeds = text.count("\n")
+    alone = text.count("\r") - text.count("\r\n")
+    # One line feed at the end is often a program's own that passed the file on.
+    if alone and (alone > MOST_RETURNS * feeds or "\n" not in text.rstrip()):
+        return _LINE_ENDS.sub("\n", text)
+    return text
 
 
 def _is_plain(raw: bytes) -> bool:
@@ -291,46 +305,24 @@ def parse_numbers(
         No rows, a row with another number of cells (a cut last line), or a cell of a column that
         is read that is no number.
     """
-    import pandas as pd
-
     layout = find_layout(text, source, separator=separator, first_line=first_line)
-    names, body = layout.names, layout.body
+    names = layout.names
     begin = int(layout.indexed)
     count = len(names) + begin
     read = [k for k, name in enumerate(names) if wanted is None or wanted(name)]
     kept = set(read)
     left_out = tuple(name for k, name in enumerate(names) if k not in kept)
     columns = [k + begin for k in read]
-    floats = set(columns)
-    all_read = len(floats) == count
-    values = None
-    # The parser takes the table's width from the first row, and drops cells beyond it; some
-    # versions drop what follows a NUL, too.
-    if _first_row(body).count(layout.separator) <= count and "\0" not in body:
-        try:
-            frame = pd.read_csv(
-                io.StringIO(body),
-                sep=layout.separator,
-                header=None,
-                # One more than the header has: there a row with a cell too many shows itself.
-                names=list(range(count + 1)),
-                index_col=False,
-                decimal=layout.decimal,
-                dtype=np.float64 if all_read else {k: str for k in range(count) if k not in floats},
-                skipinitialspace=layout.separator != " ",
-                **_exact(pd.__version__),
-            )
-        except (ValueError, OverflowError, pd.errors.ParserError):
-            pass
-        else:
-            # A last row whose last cell of text is missing may have been cut.
-            if all_read:
-                values = frame.to_numpy()
-            elif count - 1 in floats or frame[count - 1].notna().iloc[-1]:
-                values = _as_numbers(frame[[*columns, count]])
+    frame = _read_quickly(layout, columns)
+    if '"' in layout.body and (frame is None or len(frame) != sum(1 for _ in _lines(layout))):
+        _check_quotes(layout, columns, source)
+    values = None if frame is None else _as_numbers(frame[[*columns, count]])
     if values is None or np.isnan(values[:, :-1]).any() or not np.isnan(values[:, -1]).all():
         # Slow and thorough, only when something is wrong: name the line and the column.
         _check_cells(layout, columns, source)
+    # The parser fills a short row up at its end, whichever cell was lost.
+    if frame is None or frame[count - 1].isna().any():
+        _check_widths(layout, source)
     if values is None:
         values = _read_slowly(layout, columns, source)
     return NumberTable(
@@ -356,6 +348,34 @@ def line_of(text: str, row: int, first_line: int = 1) -> int:
     return next(islice((number for number, line in lines if line.strip()), row, None))
 
 
+def _read_quickly(layout: Layout, columns: Sequence[int]) -> Any:
+    """All columns and one more, those to be read as numbers; None if the parser refuses them."""
+    import pandas as pd
+
+    count = len(layout.names) + int(layout.indexed)
+    floats = set(columns)
+    # The parser takes the table's width from the first row, and drops cells beyond it; some
+    # versions drop what follows a NUL, too.
+    if _first_row(layout.body).count(layout.separator) > count or "\0" in layout.body:
+        return None
+    all_read = len(floats) == count
+    try:
+        return pd.read_csv(
+            io.StringIO(layout.body),
+            sep=layout.separator,
+            header=None,
+            # One more than the header has: there a row with a cell too many shows itself.
+            names=list(range(count + 1)),
+            index_col=False,
+            decimal=layout.decimal,
+            dtype=np.float64 if all_read else {k: str for k in range(count) if k not in floats},
+            skipinitialspace=layout.separator != " ",
+            **_exact(pd.__version__),
+        )
+    except (ValueError, OverflowError, pd.errors.ParserError):
+        return None
+
+
 def _as_numbers(frame: Any) -> FloatArray | None:
     """Columns as numbers; None if one holds text."""
     try:
@@ -376,16 +396,85 @@ def _first_row(body: str) -> str:
     return body[start : end.start() if end else len(body)]
 
 
+def _lines(layout: Layout) -> Iterator[tuple[int, str]]:
+    """Line number and text of each row."""
+    for number, row in enumerate(_LINE_ENDS.split(layout.body), start=layout.line + 1):
+        if row.strip():
+            yield number, row
+
+
 def _rows(layout: Layout) -> Iterator[tuple[int, list[str]]]:
     """Line number and cells of each row; an empty cell may be left over at its end."""
     count = len(layout.names) + int(layout.indexed)
-    for number, row in enumerate(_LINE_ENDS.split(layout.body), start=layout.line + 1):
-        if not row.strip():
-            continue
+    for number, row in _lines(layout):
         cells = split_row(row, layout.separator)
         if len(cells) == count + 1 and not cells[-1].strip():
             cells.pop()
         yield number, cells
+
+
+def _check_quotes(layout: Layout, columns: Sequence[int], source: str) -> None:
+    """Raise an error for the first cell of text whose quotation mark is not closed on its line.
+
+    In a column of numbers, the mark is part of what is no number.
+    """
+    mark = layout.separator
+    for number, row in _lines(layout):
+        if '"' not in row:
+            continue
+        reader = csv.reader([row, ""], delimiter=mark, skipinitialspace=mark != " ")
+        try:
+            cells = next(reader)
+        except csv.Error:
+            continue
+        # A cell that is still open at the end of the row takes the next line in.
+        if reader.line_num > 1 and len(cells) - 1 not in columns:
+            raise InputError(
+                f"{source}: line {number}: a quotation mark is not closed on its line, and the "
+                "rows behind it would be lost; close it or remove it"
+            )
+
+
+def _check_widths(layout: Layout, source: str) -> None:
+    """Raise an error for a line that lost a cell, or has one too many, whatever its cells hold.
+
+    Where rows end with a separator, one that lost a cell has as many as the header, the last empty.
+    """
+    count = len(layout.names) + int(layout.indexed)
+    mark = layout.separator
+    ended: list[tuple[int, str]] = []
+    bare: list[tuple[int, str]] = []
+    for number, row in _lines(layout):
+        if '"' in row:
+            cells = split_row(row, mark)
+            width, last = len(cells), cells[-1]
+        else:
+            width, last = row.count(mark) + 1, row.rpartition(mark)[2]
+        empty = not last.strip()
+        if width != count and not (empty and width == count + 1):
+            raise _wrong_width(layout, number, split_row(row, mark), source)
+        if empty:
+            (bare if width == count else ended).append((number, row))
+    if ended and bare:
+        number, row = min(ended, bare, key=len)[0]
+        cells = split_row(row, mark)
+        raise _wrong_width(layout, number, cells if len(cells) > count else cells[:-1], source)
+
+
+def _wrong_width(layout: Layout, number: int, cells: Sequence[str], source: str) -> InputError:
+    """Error for a line with another number of cells than the header has names."""
+    count = len(layout.names) + int(layout.indexed)
+    guess = ""
+    if len(cells) == 1 and len(row_of_words := cells[0].split()) > 1:
+        guess = (
+            f"; {len(row_of_words)} words between blanks: separate them by commas, "
+            "semicolons or tabs"
+        )
+    elif len(cells) < count:
+        guess = "; was the file cut short?"
+    elif layout.separator == "," and _pairs_up(cells, count):
+        guess = "; decimal commas? Then separate the cells by semicolons or tabs"
+    return InputError(f"{source}: line {number} has {len(cells)} of {count} cells{guess}")
 
 
 def _check_cells(layout: Layout, columns: Sequence[int], source: str) -> None:
@@ -394,17 +483,7 @@ def _check_cells(layout: Layout, columns: Sequence[int], source: str) -> None:
     count = len(layout.names) + begin
     for number, cells in _rows(layout):
         if len(cells) != count:
-            guess = ""
-            if len(cells) == 1 and len(row_of_words := cells[0].split()) > 1:
-                guess = (
-                    f"; {len(row_of_words)} words between blanks: separate them by commas, "
-                    "semicolons or tabs"
-                )
-            elif len(cells) < count:
-                guess = "; was the file cut short?"
-            elif layout.separator == "," and _pairs_up(cells, count):
-                guess = "; decimal commas? Then separate the cells by semicolons or tabs"
-            raise InputError(f"{source}: line {number} has {len(cells)} of {count} cells{guess}")
+            raise _wrong_width(layout, number, cells, source)
         for k in columns:
             if not _is_number(cells[k], layout.decimal):
                 raise InputError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -37,6 +38,8 @@ _COUNTS = re.compile(
     r"(?<![a-z])(?:index|idx|samples?|frames?|counts?|counter|number|no|nr)(?![a-z])"
 )
 """In the name of a column that counts rows: no clock."""
+_TICKS = re.compile(r"(?<![a-z])ticks?(?![a-z])")
+"""In the name of a column that counts, unless it states a unit of time and no length of a tick."""
 _BRACKETED = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 _OTHER_UNIT = re.compile(
     r"mph|kts?|kn|knots?|ftps|fps|ips|rpm|rps|hz|deg|degrees?|rad"
@@ -76,7 +79,8 @@ def read_velocities(
     Columns with ``sd`` or ``std`` as a word in their names hold standard deviations: where one is
     infinite, empty or below 0, or a column ``valid`` is 0, the velocities are not valid. The names
     state the units, as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that is not stated is asked
-    for. A time column is in s unless its name states another unit.
+    for. A time column is in s unless its name states another unit; of several the first is taken,
+    with a warning if one that states no unit counts other times.
 
     Parameters
     ----------
@@ -91,9 +95,9 @@ def read_velocities(
     Raises
     ------
     InputError
-        Missing columns, NaN, times that are not even or not at the given rate, no clock at all, a
-        unit that nobody states or that differs from the given one, a value beyond what a chair can
-        do.
+        Missing columns, NaN, times that are not even or not at the given rate, no clock at all, two
+        that contradict each other, a unit that nobody states or that differs from the given one, a
+        value beyond what a chair can do.
     """
     source = str(path)
     table = parse_numbers(read_text(path), source=source)
@@ -105,10 +109,13 @@ def read_velocities(
     if clock:
         time_s = values[:, clock[0]] * _clock_unit(header[clock[0]], source)
         rate = _even_rate(time_s, table)
+        _compare_clocks(table, clock)
         _check_given_rate(sampling_rate_hz, rate, source)
     elif sampling_rate_hz is None:
+        counts = [name for name in header if _begins_as_time(name)]
+        but = f" ({listed(counts)} is taken as a count)" if counts else ""
         raise InputError(
-            f"{source}: no time column, so the sampling rate must be given "
+            f"{source}: no time column{but}, so the sampling rate must be given "
             "(--sampling-rate-hz; sampling_rate_hz in Python)"
         )
     else:
@@ -155,20 +162,61 @@ def _given_units(units: str | None) -> dict[str, str]:
 
 def _is_clock(name: str) -> bool:
     lower = name.lower()
-    return re.match(r"time|temps|tiempo", lower) is not None and not _COUNTS.search(lower)
+    if not _begins_as_time(name) or _COUNTS.search(lower):
+        return False
+    # Of "time_tick_10_ms", the unit is that of a tick, not of the numbers.
+    return not _TICKS.search(lower) or (bool(_time_units(name)) and not re.search(r"\d", name))
+
+
+def _begins_as_time(name: str) -> bool:
+    return re.match(r"time|temps|tiempo", name.lower()) is not None
+
+
+def _time_units(name: str) -> list[str]:
+    """Units that the name of a time column states."""
+    words = re.split(r"[\s_,.]+", _BRACKETED.sub(" ", name).strip())[1:]
+    parts = (*(text.strip() for text in _BRACKETED.findall(name)), *words)
+    return [unit for text in parts if (unit := _shortened(text)) in TIME_UNITS]
 
 
 def _clock_unit(name: str, source: str) -> float:
     """Seconds of one unit of a time column; s if its name states none."""
     bracketed = [text.strip() for text in _BRACKETED.findall(name) if text.strip()]
-    words = re.split(r"[\s_,.]+", _BRACKETED.sub(" ", name).strip())[1:]
-    stated = [unit for text in (*bracketed, *words) if (unit := _shortened(text)) in TIME_UNITS]
-    if len(set(stated)) > 1 or (bracketed and not stated):
+    stated = _time_units(name)
+    multiple = re.search(rf"\d({'|'.join(TIME_UNITS)})(?![^\W_])", name.lower())  # "time_10ms"
+    if len(set(stated)) > 1 or ((bracketed or multiple) and not stated):
         raise InputError(
             f"{source}: column {quoted(name)}: expected one unit of time "
             f"({', '.join(TIME_UNITS)}); rename it"
         )
     return TIME_UNITS[stated[0]] if stated else 1.0
+
+
+def _compare_clocks(table: NumberTable, clock: list[int]) -> None:
+    """Raise an error, or warn, where a further time column counts other times than the first.
+
+    A further one that states no unit may be in any, and may count something else.
+    """
+    first = table.header[clock[0]]
+    with np.errstate(over="ignore"):
+        spans = table.numbers[-1, clock] - table.numbers[0, clock]
+    span = spans[0] * _clock_unit(first, table.source)
+    allowed = LARGEST_RATE_DIFFERENCE * span + span / (len(table) - 1)
+    for place, other in zip(clock[1:], spans[1:], strict=True):
+        name = table.header[place]
+        stated = _time_units(name)
+        if len(set(stated)) > 1 or (not stated and _BRACKETED.search(name)):
+            continue  # in % of a cycle, for example
+        units = [TIME_UNITS[unit] for unit in stated] or list(TIME_UNITS.values())
+        if any(abs(other * unit - span) <= allowed for unit in units):
+            continue
+        said = (
+            f"{table.source}: column {quoted(first)} counts {span:.5g} s from the first row to the "
+            f"last, but {quoted(name)} counts {other * units[0]:.5g} s"
+        )
+        if stated:
+            raise InputError(f"{said}; remove or rename the wrong one")
+        warnings.warn(f"{said}; the first is taken", stacklevel=3)
 
 
 def _check_given_rate(given_hz: float | None, found_hz: float, source: str) -> None:

@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import GAP_FACTOR, FloatArray
 from mobility_imu.readers.clocks import LONG_END_S, check_rate
 from mobility_imu.readers.layout import find_layout
-from mobility_imu.readers.streams import Asked, Stream
-from mobility_imu.readers.table import NumberTable, parse_numbers
+from mobility_imu.readers.streams import GIVEN, LARGEST_RATE_DIFFERENCE, Asked, Stream
+from mobility_imu.readers.table import NumberTable, line_of, parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
 COUNTER_RANGE = 2**16
@@ -27,6 +28,11 @@ TICKS_PER_S = 10_000.0
 """SampleTimeFine counts tenths of a millisecond (same document: 10 kHz ticks)."""
 TICK_RANGE = 2**32
 """SampleTimeFine has 32 bits (same document)."""
+UNEVEN = 0.25
+"""Steps between ticks differ from the usual one by less than this part of it, or are not even."""
+BY_TEMPERATURE = 1e-3
+"""Part by which packets of a gap may differ from the usual ones; crystals drift less. Set by
+hand."""
 COUNTERS = ("PacketCounter", "Counter")
 QUANTITIES = {"Acc": "acc", "Gyr": "gyr"}
 OF_DOT = r"\b(Euler_X|Quat_W|dq_W|dv\[1\])"
@@ -87,7 +93,7 @@ def read_xsens_mt(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     ----------
     text : content of the file
     source : the file's name, for messages
-    asked : with the sampling rate, if neither head nor SampleTimeFine state it
+    asked : with the sampling rate, if neither head nor SampleTimeFine state it, or not the same
 
     Returns
     -------
@@ -96,31 +102,89 @@ def read_xsens_mt(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     Raises
     ------
     InputError
-        If a column is missing, a cell of it is no number, or no rate is known.
+        If a column is missing, a cell of it is no number, no rate is known, or head,
+        SampleTimeFine and packet counter contradict each other.
     """
     return (_stream(parse_export(text, source), asked),)
 
 
 def _stream(export: Export, asked: Asked) -> Stream:
-    time_s, rate_from = _clock(export, asked)
+    """Samples at the times of the packet counter, or of SampleTimeFine without one."""
+    rate, rate_from = _rate(export, asked)
+    counted, counter = True, export.counter
+    if counter is None and export.ticks_s is not None:
+        # Without a packet counter only the ticks show what was lost.
+        counter = _packets(export.ticks_s)
+        counted = counter is not None
+    if not counted:
+        time_s = export.ticks_s
+        rate_from = "SampleTimeFine"
+    else:
+        time_s = (np.arange(len(export.acc)) if counter is None else counter - counter[0]) / rate
+    assert time_s is not None
     return Stream(
         time_s, export.acc, export.gyr, source=export.source, warnings=export.warnings,
-        rate_from=rate_from, counted=True, label=Path(export.source).stem,
+        rate_from=rate_from, counted=counted, label=Path(export.source).stem,
     )  # fmt: skip
 
 
-def _clock(export: Export, asked: Asked) -> tuple[FloatArray, str]:
-    """Times of the samples, and where their rate comes from."""
-    counter, ticks = export.counter, export.ticks_s
-    count = np.arange(len(export.acc), dtype=float) if counter is None else counter - counter[0]
-    if export.rate_hz is not None:
-        return count / export.rate_hz, "the file's head"
-    if ticks is not None and len(ticks) > 1:
-        rate = float((count[-1] - count[0]) / (ticks[-1] - ticks[0]))
-        check_rate(rate, f"{export.source}: SampleTimeFine")
-        return count / rate, "SampleTimeFine"
+def _rate(export: Export, asked: Asked) -> tuple[float, str]:
+    """Packets per second, and where that comes from.
+
+    If head and SampleTimeFine have different rates, the one that the user gives is taken.
+    """
+    stated, own = export.rate_hz, _rate_of_ticks(export)
+    if stated is not None and own is not None and not _alike(stated, own):
+        given = asked.sampling_rate_hz
+        right = [rate for rate in (stated, own) if given is not None and _alike(given, rate)]
+        if not right:
+            raise InputError(
+                f"{export.source}: its head states {stated:g} Hz, but its SampleTimeFine has "
+                f"{own:.5g} Hz; give the right one with --sampling-rate-hz (sampling_rate_hz in "
+                "Python)"
+            )
+        return right[0], GIVEN
+    if stated is not None:
+        return stated, "the file's head"
+    if own is not None:
+        return own, "SampleTimeFine"
     what = "an export of MT Manager without Update Rate and SampleTimeFine"
-    return count / asked.rate(export.source, what), "given"
+    return asked.rate(export.source, what), GIVEN
+
+
+def _alike(rate_hz: float, own_hz: float) -> bool:
+    return abs(rate_hz - own_hz) <= LARGEST_RATE_DIFFERENCE * own_hz
+
+
+def _rate_of_ticks(export: Export) -> float | None:
+    """Packets per second of SampleTimeFine; None without it."""
+    ticks = export.ticks_s
+    if ticks is None or len(ticks) < 2:
+        return None
+    counter = _packets(ticks) if export.counter is None else export.counter
+    if counter is None:
+        rate = 1 / float(np.median(np.diff(ticks)))
+    else:
+        rate = float((counter[-1] - counter[0]) / (ticks[-1] - ticks[0]))
+    return check_rate(rate, f"{export.source}: SampleTimeFine")
+
+
+def _usual_step(step: FloatArray) -> float:
+    """Mean of the steps near the median: ticks are whole, and a loss says nothing of the rate."""
+    median = float(np.percentile(step, 50, method="lower"))  # one of the steps
+    return float(np.mean(step[(step > 0.5 * median) & (step <= GAP_FACTOR * median)]))
+
+
+def _packets(ticks_s: FloatArray) -> FloatArray | None:
+    """Number of each sample, by even ticks that have gaps; None if they are not even."""
+    step = np.diff(ticks_s)
+    if not len(step):
+        return np.zeros(len(ticks_s))
+    packets = step / _usual_step(step)
+    near = packets <= GAP_FACTOR
+    if (np.abs(packets[near] - 1) > UNEVEN).any():
+        return None
+    return np.asarray(np.r_[0, np.cumsum(np.maximum(np.rint(packets), 1))])
 
 
 def parse_export(text: str, source: str) -> Export:
@@ -169,27 +233,14 @@ def parse_export(text: str, source: str) -> Export:
     counter = None
     if counter_name is not None:
         counter = unwrapped(table.columns([counter_name])[:, 0], source)
-    ticks = _ticks(table)
     values = np.hstack([table.columns([f"{q}_{axis}" for axis in "XYZ"]) for q in quantities])
-    empty = np.isnan(values).all(axis=1)
-    said = []
-    if empty.any():
-        if counter is None:
-            raise InputError(
-                f"{source}: {int(empty.sum())} row(s) without readings and no packet counter"
-            )
-        said.append(f"{source}: {int(empty.sum())} lost packet(s), rows without readings")
+    kept, said = _readable(values, counter, table)
     headless = not any(line.startswith("//") for line in comments)
     if headless and "Gyr" in quantities and not re.search(OF_MT_MANAGER, head):
         said.append(f"{source}: has no head of MT Manager; its Gyr is taken in rad/s")
-    kept = ~empty
-    partly = np.isnan(values).any(axis=1) & kept
-    if partly.any() and counter is not None and counter_name is not None:
-        said.append(f"{source}: {int(partly.sum())} row(s) left out in which a reading is missing")
-        kept &= ~partly
     return Export(
         None if counter is None else counter[kept],
-        None if ticks is None else ticks[kept],
+        _ticks(table, kept, counter),
         values[kept, :3],
         values[kept, 3:] if "Gyr" in quantities else None,
         _update_rate("\n".join(comments), source),
@@ -198,15 +249,80 @@ def parse_export(text: str, source: str) -> Export:
     )
 
 
-def _ticks(table: NumberTable) -> FloatArray | None:
-    """SampleTimeFine in s, going on where it starts again; None without it, or if it is empty."""
+def _readable(
+    values: FloatArray, counter: FloatArray | None, table: NumberTable
+) -> tuple[NDArray[np.bool_], list[str]]:
+    """Rows with readings, and sentences on the others: lost packets, which the clock shows."""
+    source = table.source
+    placed = counter is not None or _has_ticks(table)
+    said = []
+    empty = np.isnan(values).all(axis=1)
+    if empty.any():
+        if not placed:
+            raise InputError(
+                f"{source}: {int(empty.sum())} row(s) without readings and no packet counter"
+            )
+        said.append(f"{source}: {int(empty.sum())} lost packet(s), rows without readings")
+    kept = np.asarray(~empty)
+    partly = np.isnan(values).any(axis=1) & kept
+    if partly.any() and placed:
+        said.append(f"{source}: {int(partly.sum())} row(s) left out in which a reading is missing")
+        kept &= ~partly
+    return kept, said
+
+
+def _has_ticks(table: NumberTable) -> bool:
+    """Whether SampleTimeFine is there and not empty; some versions write 0 throughout."""
     if "SampleTimeFine" not in table.header:
-        return None
+        return False
     raw = table.columns(["SampleTimeFine"])[:, 0]
-    if not np.isfinite(raw).all() or np.ptp(raw) == 0:  # some versions write 0 throughout
+    known = raw[~np.isnan(raw)]
+    return len(known) > 0 and (len(raw) == 1 or bool(np.ptp(known) != 0))
+
+
+def _ticks(
+    table: NumberTable, kept: NDArray[np.bool_], counter: FloatArray | None
+) -> FloatArray | None:
+    """SampleTimeFine of the kept rows in s, going on after 2^32; None without it, or if empty.
+
+    Refused if it does not run forward, or by other packets than the counter.
+    """
+    if not _has_ticks(table):
         return None
+    rows = np.nonzero(kept)[0]
+    raw = table.columns(["SampleTimeFine"])[kept, 0]
+    if counter is not None and not np.isfinite(raw).all():
+        return None  # the counter is clock enough
+
+    def refused(k: int, what: str) -> InputError:
+        line = line_of(table.text, int(rows[k]), table.first_line)
+        return InputError(f"{table.source}: line {line}: {what}")
+
+    bad = ~((raw >= 0) & (raw < LARGEST_COUNTER) & (raw == np.rint(raw)))
+    if bad.any():
+        k = int(np.argmax(bad))
+        raise refused(k, f"SampleTimeFine is {raw[k]:g}, expected a whole number; correct it, or "
+                         "take out the row")  # fmt: skip
     wraps = np.cumsum(np.diff(raw, prepend=raw[:1]) < -TICK_RANGE / 2)
-    return np.asarray((raw + TICK_RANGE * wraps) / TICKS_PER_S)
+    ticks = np.asarray((raw + TICK_RANGE * wraps) / TICKS_PER_S)
+    step = np.diff(ticks)
+    if (step <= 0).any():
+        k = int(np.argmax(step <= 0)) + 1
+        kind = "repeats" if step[k - 1] == 0 else "runs back"
+        raise refused(k, f"SampleTimeFine {kind} ({raw[k - 1]:.0f}, then {raw[k]:.0f}); cut the "
+                         "recording there")  # fmt: skip
+    if counter is not None and len(step):
+        count = np.diff(counter[kept])
+        usual = _usual_step(step / count)
+        apart = np.abs(step - usual * count) > usual * (0.5 + BY_TEMPERATURE * count)
+        if apart.any():
+            k = int(np.argmax(apart)) + 1
+            raise refused(
+                k,
+                f"the packet counter goes on by {count[k - 1]:.0f}, but SampleTimeFine by "
+                f"{step[k - 1]:.4g} s, where a packet lasts {usual:.4g} s; cut the recording there",
+            )
+    return ticks
 
 
 def share_packets(exports: Mapping[str, Export]) -> bool:
@@ -278,7 +394,7 @@ def join_exports(
     if len(common) < 2:
         spans = ", ".join(f"{name} {c[0]:g}-{c[-1]:g}" for name, c in counters.items())
         raise InputError(f"{source}: the sensors share no packet counters ({spans})")
-    rates = {_rate(export, asked) for export in exports.values()}
+    rates = {_rate(export, asked)[0] for export in exports.values()}
     if max(rates) - min(rates) > 1e-3 * max(rates):
         raise InputError(f"{source}: sensors at different rates ({sorted(rates)} Hz)")
     start = min(counter[0] for counter in counters.values()) if from_first else common[0]
@@ -297,20 +413,11 @@ def join_exports(
         streams.append(
             Stream(
                 time_s, export.acc[at], gyr, source=export.source, label=name, counted=True,
-                warnings=tuple(said), rate_from=_clock(export, asked)[1],
+                warnings=tuple(said), rate_from=_rate(export, asked)[1],
                 file_label=Path(export.source).stem,
             )
         )  # fmt: skip
     return tuple(streams)
-
-
-def _rate(export: Export, asked: Asked) -> float:
-    if export.rate_hz is not None:
-        return export.rate_hz
-    time_s, _ = _clock(export, asked)
-    counter = export.counter
-    assert counter is not None
-    return float((counter[-1] - counter[0]) / (time_s[-1] - time_s[0]))
 
 
 def unwrapped(counter: FloatArray, source: str) -> FloatArray:

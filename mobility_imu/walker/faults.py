@@ -38,6 +38,7 @@ from mobility_imu.walker.follow import LATEST_REST_S, checked_options, navigate_
 from mobility_imu.walker.footprint import FOOTPRINT_WORDS
 from mobility_imu.walker.gaps import filled_samples, gaps_in_moves, is_of_a_gap, without_samples
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
+from mobility_imu.walker.given_rests import GIVEN_WORDS
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
 from mobility_imu.walker.path_checks import ODDS_WORDS, faults_of_path, faults_of_tilts
@@ -126,6 +127,11 @@ def find_faults(
         path = path_of(recording)
     except InputError:
         return tuple(found)
+    shifted = [text for text in path.warnings if GIVEN_WORDS in text]
+    if shifted:  # by wrong rests every other check would accuse the sensor
+        whole = np.ones(len(recording), np.bool_)
+        first = float(recording.time_s[0])
+        return (*found, Fault("rests", FRAME, first, whole, shifted[0]))
     readings = _readings(recording, path.time_s, path.stationary)
     found += gaps_in_moves(recording, path.stationary, filled)
     more = faults_of_readings(recording, readings, found, stillness)

@@ -14,6 +14,7 @@ from mobility_imu.offsets import rest_offsets
 from mobility_imu.quality import frozen_samples, saturated_samples
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
+from mobility_imu.walker.given_rests import shifted_rests
 from mobility_imu.walker.navigation import (
     ClosedLoop,
     Navigation,
@@ -91,15 +92,15 @@ def navigate_recording(
     if offset.any():
         gyr = gyr - offset
         warnings.append(f"{recording.source}: {_stated(offset)}")
-    still = find_stillness(imu.acc_mps2, gyr, rate_hz, stillness) if known is None else known
-    # Where up is comes from the first rest; what lies before it cannot be followed.
-    begin = int(np.argmax(still))
-    late_s = float(recording.time_s[begin] - recording.time_s[0])
-    if late_s > LATEST_REST_S or not still.any():
+    still = find_stillness(imu.acc_mps2, gyr, rate_hz, stillness)
+    shifted = None if known is None else shifted_rests(known, still, rate_hz)
+    still = still if known is None else known
+    begin, late_s = _first_rest(recording, still)
+    if late_s > LATEST_REST_S:
+        why = "" if known is not None else _why_not_still(imu.acc_mps2, gyr, rate_hz, stillness)
         raise InputError(
             f"{recording.source}: the frame is not still within the first {LATEST_REST_S:g} s: "
-            "expected some seconds of rest at the start, which say where up is"
-            + (_why_not_still(imu.acc_mps2, gyr, rate_hz, stillness) if known is None else "")
+            f"expected some seconds of rest at the start, which say where up is{why}"
         )
     if late_s > 0.2:
         warnings.append(
@@ -122,7 +123,19 @@ def navigate_recording(
         raise InputError(f"{recording.source}: {error}") from None
     if offset.any():
         path = replace(path, gyr_bias_radps=path.gyr_bias_radps + offset)
-    return path, (*warnings, *path.warnings, *_inconsistent_rests(path, recording.source))
+    source = recording.source
+    of_rests = [f"{source}: {shifted}"] if shifted else _inconsistent_rests(path, source)
+    return path, (*warnings, *path.warnings, *of_rests)
+
+
+def _first_rest(recording: Recording, still: NDArray[np.bool_]) -> tuple[int, float]:
+    """First sample at rest, and its time after the start; infinite if there is none.
+
+    Where up is comes from the first rest; what lies before it cannot be followed.
+    """
+    begin = int(np.argmax(still))
+    late_s = float(recording.time_s[begin] - recording.time_s[0])
+    return begin, late_s if still.any() else np.inf
 
 
 def checked_options(

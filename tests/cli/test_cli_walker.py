@@ -91,7 +91,9 @@ def test_a_sensor_of_unknown_scale_makes_the_stated_deviations_larger(tmp_path, 
     assert (wide["x_m"], wide["yaw_deg"]) == (usual["x_m"], usual["yaw_deg"])
     part = np.sqrt(wide["x_sd_m"] ** 2 - usual["x_sd_m"] ** 2)
     assert part == pytest.approx(np.sqrt(0.02**2 - 0.01**2) * wide["x_m"], rel=0.01)
-    fails(*trajectory(mount=TRUE_MOUNT), "--scale-percent", "-1", says=["scale_sd"])
+    for wrong in ("-1", "0", "nan", "inf", "200"):
+        says = [f"--scale-percent {wrong}: expected 0.0001 to 100"]
+        fails(*trajectory(mount=TRUE_MOUNT), "--scale-percent", wrong, says=says)
 
     from mobility_imu.walker import WalkerMount
 

@@ -170,13 +170,13 @@ def test_tool_settings_file(with_settings, works, fails):
     [
         ('{"freqAcq": 0}', "freqAcq: sampling rate of 0"),
         ('{"freqAcq": null}', "freqAcq: sampling rate of 0"),
-        ('{"freqAcq": NaN}', "freqAcq: sampling rate of nan Hz"),
+        ('{"freqAcq": NaN}', "freqAcq = nan, expected a number"),
         ('{"freqAcq": -100}', "freqAcq: sampling rate of -100"),
         ('{"freqAcq": "100"}', "freqAcq = '100', expected a number"),
         ('{"seuilVitLinAbs": true}', "seuilVitLinAbs = True, expected a number"),
         ('{"seuilVitLinAbs": "0.5"}', "seuilVitLinAbs = '0.5', expected a number"),
         ('{"seuilVitLinAbs": 1, "seuilVitLinAbs": 2}', "seuilVitLinAbs stands twice"),
-        ('{"seuilVitLinAbs": NaN}', "linear_velocity_mps = nan"),
+        ('{"seuilVitLinAbs": NaN}', "seuilVitLinAbs = nan, expected a number"),
         ('{"seuilVitLinAbs": 1' + 310 * "0" + "}", "expected a number"),
         ('{"seuilVitLinAbs": 1' + 5000 * "0" + "}", "too many digits"),
         (100_000 * "[", "nested too deeply"),
@@ -292,3 +292,20 @@ def test_a_range_that_is_cut_is_said_once(tmp_path, works):
             assert len(about) == 1 and "choose a wider range" in about[0]
     valid = pd.read_csv(tmp_path / "v.csv")["valid"]
     assert 0.2 < valid.mean() < 1.0
+
+
+@pytest.mark.parametrize("percent", ["-1", "nan", "inf", "150"])
+def test_the_scale_of_gyroscopes_is_refused_by_its_option(fails, percent):
+    files = {name: COURT / f"{name}.csv.gz" for name in ("court", "static", "straight")}
+    options = ["--static", files["static"], "--straight", files["straight"]]
+    options += ["--geometry", COURT / "geometry.toml", "--gyroscope-scale-percent", percent]
+    says = [f"--gyroscope-scale-percent {percent}: expected 0 to 100"]
+    fails("wheelchair", "check", files["court"], *options, says=says)
+
+
+def test_a_count_as_clock_is_named_with_its_file(tmp_path, fails):
+    table = velocity_csv(tmp_path / "v.csv")
+    table["time_s"] = range(len(table))
+    table.to_csv(tmp_path / "v.csv", index=False)
+    says = ["v.csv: segment_s = 0.25 is less than one frame at 1 Hz; are its times in s"]
+    fails("wheelchair", "tasks", "v.csv", "-o", "t.csv", says=says)

@@ -419,14 +419,15 @@ def test_vectors_that_are_none(tmp_path, value):
 
 
 def test_settings_are_numbers_or_null(tmp_path):
-    path = write(tmp_path / "s.json", '{"a": 1, "b": 2.5, "c": null, "d": 1e400}')
-    assert read_json_numbers(path) == {"a": 1.0, "b": 2.5, "c": None, "d": np.inf}
+    path = write(tmp_path / "s.json", '{"a": 1, "b": 2.5, "c": null}')
+    assert read_json_numbers(path) == {"a": 1.0, "b": 2.5, "c": None}
 
 
 @pytest.mark.parametrize(
     "text",
     [
         *('{"a": "1"}', '{"a": true}', '{"a": [1]}', '{"a": 1, "a": 2}', "[1]", "1", "{"),
+        *('{"a": NaN}', '{"a": -Infinity}', '{"a": 1e400}'),
         *('{"a": 1} x', 100_000 * "[", 100_000 * '{"a":'),
         *('{"a": 1' + 310 * "0" + "}", '{"a": 1' + 5000 * "0" + "}"),
     ],

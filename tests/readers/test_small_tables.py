@@ -54,12 +54,12 @@ def test_a_table_of_androsensor_without_rows(tmp_path):
 
 
 def test_a_start_that_no_clock_has(tmp_path):
-    """Where no row tells the time either, it is not known."""
+    """Where no row tells the time either."""
     head, rows = dialects.actigraph(made(), tmp_path).read_text().split("Timestamp,")
     rows = "\n".join(row.partition(",")[2] for row in f"Timestamp,{rows}".split("\n"))
     text = head.replace("08:58:00", f"08:58:{'9' * 30}") + rows
-    (stream,) = read_actigraph(text, "a.csv", Asked())
-    assert stream.epoch_s is None
+    with pytest.raises(InputError, match=r"a\.csv: 'Start Date .*' of the head are no date"):
+        read_actigraph(text, "a.csv", Asked())
 
 
 def test_a_row_of_units_that_is_too_short(tmp_path):

@@ -32,6 +32,8 @@ from mobility_imu.simulation.walker import (
 from mobility_imu.walker import (
     WalkerMount,
     estimate_trajectory,
+    find_faults,
+    valid_samples,
 )
 from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.navigation import (
@@ -324,3 +326,26 @@ def test_a_few_samples_are_no_walk(samples):
     recording = walked().recording
     with pytest.raises(InputError, match="expected a walk"):
         estimate_trajectory(cut_out(recording, slice(0, samples)), None, pose_mount("1"))
+
+
+@pytest.mark.parametrize(
+    ("shift_s", "told"), [(0.0, None), (0.1, None), (0.6, "earlier"), (-1.0, "later")]
+)
+def test_given_rests_of_another_clock_are_told_and_nothing_else_is(shift_s, told):
+    """They come so much late: 0.1 s is how far the ends of a rest differ anyway."""
+    motion = simulate_walk((Leg(3.0),), seed=4)
+    run = attach_imu(motion, pose_mount("2"), MTI_1, seed=4, unit_seed=4)
+    count = round(shift_s * run.recording.sampling_rate_hz)
+    rests = np.roll(run.stationary, count)
+    rests[:20] = True
+    faults = find_faults(run.recording, None, pose_mount("2"), rests=rests)
+    found = estimate_trajectory(run.recording, None, pose_mount("2"), rests=rests)
+    if told is None:
+        assert "rests" not in {fault.code for fault in faults}
+    else:
+        (fault,) = faults
+        # The detector's rests end earlier than the true ones: the frame trembles before it lifts.
+        stated = float(re.search(rf"about ([\d.]+) s {told}", fault.sentence)[1])
+        assert fault.code == "rests" and stated == pytest.approx(abs(shift_s), abs=0.21)
+        assert not valid_samples(found, faults).any()
+        assert any("the given rests fit" in text for text in found.warnings)

@@ -99,7 +99,7 @@ def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
     [
         ('{"freqAcq": 0}', "freqAcq: sampling rate of 0"),
         ('{"freqAcq": null}', "freqAcq: sampling rate of 0"),
-        ('{"freqAcq": NaN}', "freqAcq: sampling rate of nan Hz"),
+        ('{"freqAcq": NaN}', "freqAcq = nan, expected a number"),
         ('{"freqAcq": 1e9}', "freqAcq: sampling rate"),
         ('{"freqAcq": "100"}', "freqAcq = '100', expected a number"),
         ('{"inptSegmentsec": "0.5"}', "inptSegmentsec = '0.5', expected a number"),
@@ -110,7 +110,7 @@ def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
             '{"segment_s": 0.2, "inptSegmentsec": 0.3}',
             "inptSegmentsec = 0.3, but segment_s = 0.2 as well",
         ),
-        ('{"seuilVitLinAbs": NaN}', "linear_velocity_mps = nan"),
+        ('{"seuilVitLinAbs": NaN}', "seuilVitLinAbs = nan, expected a number"),
         (9000 * '{"a":', "nested too deeply"),
     ],
 )
