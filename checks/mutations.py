@@ -83,6 +83,8 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "wheelchair/velocity": ("test_wheelchair_offsets",),
     "wheelchair/smoothing": ("test_wheelchair_doors",),
     "wheelchair/wheel_faults": ("test_wheelchair_faults", "test_wheelchair_faults_told"),
+    "walker/footprint": ("test_walker_calibration", "test_walker_tilt_detection"),
+    "walker/given_rests": ("test_walker_trajectory",),
     "walker/_kernel": ("test_walker_navigation",),
     "walker/arc_fit": ("test_walker_uncertainty",),
     "walker/calibration": ("test_walker_uncertainty",),

@@ -432,4 +432,4 @@ def test_hardly_anything_is_told_of_drives_without_a_fault():
     clean = numbers("faults_wheelchair")["clean"]
     without = [clean[name] for name in MODELS]
     drives, alarms = (sum(one[key] for one in without) for key in ("drives", "with_alarm"))
-    assert (drives, alarms) == (210, 3)
+    assert drives == 210 and alarms <= 0.01 * drives
