@@ -291,11 +291,12 @@ def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
     if not len(values):
         return cut
     size = np.abs(values)
-    at_end = size == size.max(axis=0)
+    limit = size.max(axis=0)
+    at_limit = np.column_stack([long_runs(axis, run, grow=False) for axis in (size == limit).T])
+    if not at_limit.any():
+        return cut
     # Of an axis that is cut for half of the time, the median itself is the limit.
-    above = (size > 1.2 * np.median(size, axis=0)) | pinned_axes(values)
-    at_limit = at_end & above
-    at_limit = np.column_stack([long_runs(axis, run, grow=False) for axis in at_limit.T])
+    at_limit &= (limit > 1.2 * np.median(size, axis=0)) | pinned_axes(values)
     if not at_limit.any():
         return cut
     resolution = resolution_of(values, skip=at_limit.any(axis=1))

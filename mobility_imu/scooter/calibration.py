@@ -439,11 +439,11 @@ class _Stops(NamedTuple):
 
     def steering(self, angle_rad: FloatArray, off_rad: FloatArray) -> FloatArray:
         """Steering angle of each pose with the errors of the stops added."""
-        return np.asarray(angle_rad + off_rad[self.of_steering])
+        return np.asarray(angle_rad + off_rad[..., self.of_steering])
 
     def throttle(self, angle_rad: FloatArray, off_rad: FloatArray) -> FloatArray:
         """Throttle angle of each pose with the errors of the stops added."""
-        return np.asarray(angle_rad + off_rad[self.of_throttle])
+        return np.asarray(angle_rad + off_rad[..., self.of_throttle])
 
 
 class _Held(NamedTuple):
@@ -462,25 +462,26 @@ class _Held(NamedTuple):
         return np.zeros(self.stops.number + 24)
 
     def apart(self, turns: FloatArray, faults: FloatArray) -> FloatArray:
-        """Misfit of eq. 5 with faults, in the order of :attr:`none`."""
-        off, of_lever, of_body = faults[:-24], faults[-24:-12], faults[-12:]
+        """Misfit of eq. 5, (..., m), with faults, (..., k), in the order of :attr:`none`."""
+        off, of_lever, of_body = faults[..., :-24], faults[..., -24:-12], faults[..., -12:]
         seen = _spoilt(self.lever, of_lever) @ Rotation.from_rotvec(turns[:3]).as_matrix().T
         upright = _spoilt(self.body, of_body) @ Rotation.from_rotvec(turns[3:]).as_matrix().T
         steering = self.stops.steering(self.steering, off)
         throttle = self.stops.throttle(self.throttle, off)
         expected = lever_acceleration(upright, steering, throttle, self.geometry)
-        return np.asarray((seen - expected).ravel())
+        return np.reshape(seen - expected, (*faults.shape[:-1], -1))
 
     def by_faults(self, turns: FloatArray) -> FloatArray:
         """Change of the misfit by each fault, a column each."""
         step = 1e-5 * np.eye(len(self.none))
-        changes = [(self.apart(turns, d) - self.apart(turns, -d)) / 2e-5 for d in step]
-        return np.transpose(changes)
+        changes = (self.apart(turns, step) - self.apart(turns, -step)) / 2e-5
+        return np.asarray(changes.T)
 
 
 def _spoilt(directions: FloatArray, faults: FloatArray) -> FloatArray:
-    """Readings of a sensor, (n, 3), with a bias (three numbers) and errors of its axes (nine)."""
-    return np.asarray(directions @ (np.eye(3) + faults[3:].reshape(3, 3)).T + faults[:3])
+    """Readings of a sensor, (..., n, 3), with faults, (..., 12): bias, then errors of its axes."""
+    axes = np.eye(3) + faults[..., 3:].reshape(*faults.shape[:-1], 3, 3)
+    return np.asarray(directions @ np.swapaxes(axes, -1, -2) + faults[..., None, :3])
 
 
 def _standard_deviations(by_turns: FloatArray, by_faults: FloatArray) -> tuple[FloatArray, float]:

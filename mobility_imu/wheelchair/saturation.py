@@ -46,10 +46,12 @@ def saturated_gyroscopes(
     found = {}
     for name in sensors:
         gyr = recording.gyroscope(name)
-        changes = ~same_as_before(gyr)
-        size = np.rad2deg(np.abs(gyr).max(axis=1, initial=0.0))
+        flags = saturated_samples(gyr, run=run)
+        if not flags.any():
+            continue
+        size = np.rad2deg(np.abs(gyr).max(axis=1))
         apart = np.abs(size[:, None] / np.array(RANGES_DEGPS) - 1).min(axis=1)
-        flags = saturated_samples(gyr, run=run) & (apart < RANGE_TOLERANCE) & changes
+        flags &= (apart < RANGE_TOLERANCE) & ~same_as_before(gyr)
         if flags.any():
             found[name] = flags
     return found

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, shown
+from mobility_imu.rotations import elementary_rotation
 from mobility_imu.simulation.checks import check_ranges
 from mobility_imu.simulation.profiles import hump, smooth, window
 from mobility_imu.simulation.seeds import stream
@@ -165,7 +166,7 @@ def simulate_walk(
     return WalkerMotion(
         time_s,
         position,
-        _rotations(time_s, phase, plan, imperfections, rocks).as_matrix(),
+        _rotations(time_s, phase, plan, imperfections, rocks),
         ~phase.begun | (phase.since_s >= stop),
         steps=tuple(StepTruth(*row) for row in steps),
     )
@@ -251,20 +252,20 @@ def _rotations(
     plan: _Plan,
     imperfections: Imperfections,
     rng: np.random.Generator,
-) -> Rotation:
-    """Yaw and pitch of the steps, and the rocking between them."""
+) -> FloatArray:
+    """Yaw and pitch of the steps, and the rocking between them: body to world, (n, 3, 3)."""
     k = phase.step
     before = np.cumsum(plan.turn_rad) - plan.turn_rad
     yaw = before[k] + plan.turn_rad[k] * smooth(phase.swing)
     pitch = -plan.pitch_rad[k] * hump(phase.swing)
-    rotation = Rotation.from_euler("ZY", np.column_stack([yaw, pitch]))
+    rotation = elementary_rotation("z", yaw) @ elementary_rotation("y", pitch)
     if imperfections.rocking_rad == 0:
         return rotation
     rocking = imperfections.rocking_rad * band_noise(len(time_s), 2, (0.7, 1.4), rng)
     standing = phase.followed & (phase.since_s > 0)
     held = np.where(standing, window(time_s, phase.place_s, phase.after_s, 0.3), 0.0)
     rocking = np.column_stack([rocking * held[:, None], np.zeros(len(time_s))])
-    return rotation * Rotation.from_rotvec(rocking)
+    return np.asarray(rotation @ Rotation.from_rotvec(rocking).as_matrix())
 
 
 @dataclass(frozen=True)

@@ -157,9 +157,11 @@ class _Cycles:
 
     def bump(self, begin: float, duration: float, gain: float) -> None:
         """Add a push or a brake: acceleration as a squared sine."""
-        u = np.clip((self.time_s - begin) / duration, 0, 1)
-        self.velocity += gain * (u - np.sin(2 * np.pi * u) / (2 * np.pi))
-        self.acceleration += gain / duration * (1 - np.cos(2 * np.pi * u))
+        inside, after = self.during(begin, duration)
+        u = (self.time_s[inside] - begin) / duration
+        self.velocity[inside] += gain * (u - np.sin(2 * np.pi * u) / (2 * np.pi))
+        self.velocity[after] += gain
+        self.acceleration[inside] += gain / duration * (1 - np.cos(2 * np.pi * u))
         self.speed += gain
 
     def coast(self, begin: float, duration: float) -> None:
@@ -169,9 +171,18 @@ class _Cycles:
         loss = -np.sign(self.speed) * min(self.pushing.coasting_mps2 * duration, abs(self.speed))
         # Ramps in and out, so that the acceleration stays continuous.
         edge = min(0.1, duration / 3)
-        rise = (self.time_s - begin) / edge
-        fall = (self.time_s - begin - duration + edge) / edge
+        inside, after = self.during(begin, duration)
+        time_s = self.time_s[inside]
+        rise = (time_s - begin) / edge
+        fall = (time_s - begin - duration + edge) / edge
         rate = loss / (duration - edge)
-        self.acceleration += rate * (cosine_ramp(rise) - cosine_ramp(fall))
-        self.velocity += rate * edge * (cosine_ramp_integral(rise) - cosine_ramp_integral(fall))
+        self.acceleration[inside] += rate * (cosine_ramp(rise) - cosine_ramp(fall))
+        ramps = cosine_ramp_integral(rise) - cosine_ramp_integral(fall)
+        self.velocity[inside] += rate * edge * ramps
+        self.velocity[after] += loss
         self.speed += loss
+
+    def during(self, begin: float, duration: float) -> tuple[slice, slice]:
+        """Samples of a span, and those after it."""
+        first, last = np.searchsorted(self.time_s, (begin, begin + duration))
+        return slice(first, last), slice(last, None)
