@@ -162,16 +162,19 @@ def unlinked(path: Path) -> list[str]:
     """Terms that a chapter uses without a link at the first use."""
     # A whole chapter is long: what counts is the first cell of prose that uses the word.
     found = []
-    prose = [c for c in cells(path) if c.kind == "markdown"]
+    # The text of a link says where it leads: to a page that explains the word.
+    prose = [
+        (cell, plain(re.sub(r"\[[^\]]*\]\([^)]*\)", "", cell.text)))
+        for cell in cells(path)
+        if cell.kind == "markdown"
+    ]
     for term in terms():
         longer = [t for t in terms() if term in t and t != term]
-        for cell in prose:
-            # The text of a link says where it leads: to a page that explains the word.
-            text = plain(re.sub(r"\[[^\]]*\]\([^)]*\)", "", cell.text))
-            for other in longer:
-                text = re.sub(re.escape(other), "", text, flags=re.I)
+        for cell, text in prose:
             if linked(term, cell.text):
                 break
+            for other in longer:
+                text = re.sub(re.escape(other), "", text, flags=re.I)
             if used(term, text):
                 if term not in ORDINARY:
                     found.append(f"cell {cell.number}: {term}")

@@ -57,8 +57,8 @@ def _rotation_vectors(rotations: FloatArray) -> FloatArray:
     )
     twice_sine = np.linalg.norm(across, axis=1)
     angle = np.arctan2(twice_sine, np.trace(rotations, axis1=1, axis2=2) - 1)
-    turned = twice_sine > 0
-    return across * np.divide(angle, twice_sine, out=np.full(len(angle), 0.5), where=turned)[:, None]
+    factor = np.divide(angle, twice_sine, out=np.ones_like(angle), where=twice_sine > 0)
+    return np.asarray(across * factor[:, None])
 
 
 def felt_by_imu(

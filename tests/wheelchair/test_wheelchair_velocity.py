@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Recording
-from mobility_imu.reproduction.wheelchair.facing import facing_mounting
+from mobility_imu.reproduction.wheelchair.facing import facing_mounting, forward_axles
 from mobility_imu.reproduction.wheelchair.printed import (
     gyroscope_outward,
     printed_angles,
@@ -45,6 +45,7 @@ from mobility_imu.wheelchair.calibration import (
     alignment_matrix,
     wheel_alignment_angles,
 )
+from mobility_imu.wheelchair.geometry import side_sign
 from mobility_imu.wheelchair.uncertainty import velocity_standard_deviation
 from mobility_imu.wheelchair.velocity import (
     linear_velocity,
@@ -171,14 +172,11 @@ def test_sensors_that_face_outward_get_the_axle_of_figure_1_and_inward_ones_the_
     outcome = {}
     for facing in ("outward", "inward"):
         printed, by_atan2 = [], []
-        for seed in range(1000):
-            mounting = facing_mounting(facing, seed)
-            for side, s in (("left", 1), ("right", -1)):
-                forward = mounting[f"{side}_wheel"].rotation_body_to_imu[:, 2]
-                outward = s * forward
-                rate = 4.0 * forward  # what the gyroscope reads in a forward push
-                printed.append(alignment_matrix(*printed_angles(rate))[:, 2] @ outward)
-                by_atan2.append(alignment_matrix(*wheel_alignment_angles(rate))[:, 2] @ forward)
+        for side, forward in forward_axles(facing, 1000):
+            outward = side_sign(side) * forward
+            rate = 4.0 * forward  # what the gyroscope reads in a forward push
+            printed.append(alignment_matrix(*printed_angles(rate))[:, 2] @ outward)
+            by_atan2.append(alignment_matrix(*wheel_alignment_angles(rate))[:, 2] @ forward)
         # tan and atan of angles up to 0.5 rad: a few roundings
         assert np.abs(printed) == pytest.approx(np.ones(2000), abs=EXACT)
         assert by_atan2 == pytest.approx(np.ones(2000), abs=EXACT)

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.frames import FloatArray
 from mobility_imu.reproduction.claims import Claim, Quotation
-from mobility_imu.reproduction.wheelchair.facing import Facing, facing_mounting
+from mobility_imu.reproduction.wheelchair.facing import Facing, facing_mounting, forward_axles
 from mobility_imu.reproduction.wheelchair.printed import (
     gyroscope_outward,
     printed_angles,
@@ -199,12 +199,9 @@ def _our_printed_form(equations: str, angles: Callable[..., AlignmentAngles]) ->
 def _outward_share(facing: Facing) -> float:
     """Fraction of 2 x 1000 tilted wheel sensors whose printed axle is the outward one."""
     right = []
-    for seed in range(COUNT):
-        mounting = facing_mounting(facing, seed)
-        for side in SIDES:
-            axle = mounting[f"{side}_wheel"].rotation_body_to_imu[:, 2]  # positive forward
-            found = alignment_matrix(*wheel_alignment_angles(axle, form="printed"))[:, 2]
-            right.append(found @ (side_sign(side) * axle) > 1 - 1e-9)
+    for side, axle in forward_axles(facing, COUNT):
+        found = alignment_matrix(*wheel_alignment_angles(axle, form="printed"))[:, 2]
+        right.append(found @ (side_sign(side) * axle) > 1 - 1e-9)
     return float(np.mean(right))
 
 
