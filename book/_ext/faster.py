@@ -1,4 +1,4 @@
-"""The book is built in less time: no page keeps what it does not need, and all cores write."""
+"""The book is built in less time: no page keeps what it does not need, and all cores work."""
 
 import gc
 import os
@@ -17,14 +17,15 @@ def give_up_inner_documents(app, doctree):
         node.document = doctree
 
 
-def write_on_all_cores(app, env):
-    """From here on several processes work; they cannot read pages (sphinx_proof does not merge)."""
-    app.parallel = (os.cpu_count() or 1) + 1  # the one that hands out pages has little to do
+def let_all_cores_read(app, config):
+    """One extension says nothing on that; it numbers sections after all pages have been read."""
+    app.extensions["sphinx_multitoc_numbering"].parallel_read_safe = True
 
 
 def setup(app):
-    """Connect both, and look for garbage less often."""
+    """All cores read and write, and look for garbage less often."""
+    app.parallel = (os.cpu_count() or 1) + 1  # the one that hands out pages has little to do
     gc.set_threshold(OBJECTS, 20, 100)
+    app.connect("config-inited", let_all_cores_read)
     app.connect("doctree-read", give_up_inner_documents, priority=900)
-    app.connect("env-check-consistency", write_on_all_cores)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
