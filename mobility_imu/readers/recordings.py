@@ -13,6 +13,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
+from mobility_imu.readers.blocks import with_times_of_rows
 from mobility_imu.readers.clocks import check_fill, check_rate, one_clock
 from mobility_imu.readers.column_map import read_mapped
 from mobility_imu.readers.formats import find_format
@@ -161,9 +162,10 @@ def understand(
         form, streams, are_named = _streams(path, asked, map_path)
     except InputError as error:
         raise InputError(f"{error}{_as_several(path, expected)}") from None
+    streams, counted = with_times_of_rows(streams, asked, mapped=map_path is not None)
     named, said = _named(streams, expected, source, are_named=are_named)
     _check_case(named, source)
-    said = (*said, *asked.unused(streams))
+    said = (*said, *counted, *asked.unused(streams))
     for name, stream in named.items():
         whose = stream.source if len(named) == 1 else f"{stream.source}, {name}"
         said += held_warnings(stream.time_s, stream.acc_mps2, whose)
