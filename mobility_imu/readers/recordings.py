@@ -27,7 +27,7 @@ from mobility_imu.readers.prefixes import (
 )
 from mobility_imu.readers.sessions import NoSession, is_session, read_session, session_files
 from mobility_imu.readers.streams import BELIEVED, STARTED, Asked, Stream, held_warnings
-from mobility_imu.readers.table import read_text
+from mobility_imu.readers.table import beside, read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.readers.xsens_mt import (
     is_xsens_mt,
@@ -398,7 +398,9 @@ def _streams_of_one(
         if no_session is not None:
             raise InputError(f"{no_session}{exports_in(whole)}")
         what = "is a folder" if _is_folder(whole) else "no such file"
-        raise InputError(f"{whole}: {what}, and no Xsens exports whose names begin like this")
+        raise InputError(
+            f"{whole}: {what}, and no Xsens exports whose names begin like this{beside(whole)}"
+        )
     if is_session(whole):
         return (*read_session(whole, asked), False)
     text = read_text(whole)
