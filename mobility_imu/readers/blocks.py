@@ -34,7 +34,7 @@ def rows_to_a_stamp(time_s: FloatArray, *values: FloatArray | None) -> int:
     -------
     int; 1 where rows have stamps of their own, or blocks are not regular
     """
-    if not time_s[-1] > time_s[0]:
+    if len(time_s) < FEWEST_BLOCKS or not time_s[-1] > time_s[0]:
         return 1
     new = np.diff(time_s) != 0
     differ = new.copy()
@@ -108,7 +108,7 @@ def with_times_of_rows(
             raise InputError(
                 f"{told}; give their rate with --sampling-rate-hz (sampling_rate_hz in Python){way}"
             )
-        said.append(f"{told}; they are counted at {rate:g} Hz")
+        said.append(f"{told}; they are counted at {rate:g} Hz; one lost in a block cannot be seen")
         check_forward(stream.time_s, stream.source)
         place = _places(stream.time_s, rows)
         own = float(place[-1] - rows + 1) / float(stream.time_s[-1] - stream.time_s[0])

@@ -88,6 +88,7 @@ class TestBlocks:
     def test_with_the_rate_no_row_is_lost(self, tmp_path, write):
         found = understand(**write(tmp_path, stamps()), sampling_rate_hz=RATE_HZ)
         assert any(f"{SHARED}; they are counted at 100 Hz" in said for said in found.warnings)
+        assert not any("left out" in said for said in found.warnings)
         assert len(found.recording) == COUNT and found.rate_from == "given"
         assert found.recording.sampling_rate_hz == pytest.approx(RATE_HZ)
 
@@ -151,6 +152,24 @@ def test_doubled_packets_and_single_repeats_are_no_blocks(tmp_path):
     # Stamps of whole hundredths of a sensor at 128 Hz: one row in four shares its stamp.
     columns("t", (np.arange(COUNT) / 128).round(2)).to_csv(given["path"], index=False)
     assert understand(**given).rate_from == "its clock"
+
+
+def test_bursts_of_any_length_are_no_blocks(tmp_path):
+    """A logger that writes when it can: no rate of the rows is right."""
+    lengths = np.random.default_rng(2).choice([1, 2, 8, 20], 80)
+    time_s = np.repeat(np.arange(80) / 10, lengths)[:COUNT]
+    found = understand(**mapped(tmp_path, time_s))
+    assert any("left out whose stamps repeat" in said for said in found.warnings)
+
+
+def test_each_sensor_of_a_table_has_the_times_of_its_rows(tmp_path):
+    path = dialects.canonical(made(("lever", "body")), tmp_path)
+    table = pd.read_csv(path)
+    table["time_s"] = stamps() + 5
+    table.to_csv(path, index=False)
+    found = understand(path, sampling_rate_hz=RATE_HZ)
+    assert sum(SHARED in said for said in found.warnings) == 1
+    assert found.recording.time_s[0] == 5 and len(found.recording) == COUNT
 
 
 # Rows that are counted
