@@ -397,10 +397,10 @@ def _streams_of_one(
             return XSENS, of_one_prefix(whole, parts, asked), True
         if no_session is not None:
             raise InputError(f"{no_session}{exports_in(whole)}")
-        what = "is a folder" if _is_folder(whole) else "no such file"
-        raise InputError(
-            f"{whole}: {what}, and no Xsens exports whose names begin like this{beside(whole)}"
-        )
+        what, do = "is a folder" if _is_folder(whole) else "no such file", beside(whole)
+        if _is_there(Path(_file_and_label(str(whole))[0])):
+            do = f"; one sensor of a file is given a name, as in frame={whole}"
+        raise InputError(f"{whole}: {what}, and no Xsens exports whose names begin like this{do}")
     if is_session(whole):
         return (*read_session(whole, asked), False)
     text = read_text(whole)

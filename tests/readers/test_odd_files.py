@@ -54,6 +54,15 @@ def test_names_that_are_not_in_utf_8_or_long(tmp_path, name):
     assert len(quietly(path)) == len(made())
 
 
+def test_a_sensor_of_a_file_without_a_name(tmp_path):
+    path = dialects.canonical(made(), tmp_path)
+    assert refused(understand, f"{path}#frame").endswith(
+        f"; one sensor of a file is given a name, as in frame={path}#frame"
+    )
+    assert "as in" not in refused(understand, f"{path}x#frame")
+    assert len(quietly(f"frame={path}#frame")) == len(made())
+
+
 # Archives
 
 
