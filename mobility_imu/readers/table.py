@@ -99,7 +99,7 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
     except InputError:
         raise
     except FileNotFoundError:
-        raise InputError(f"{path}: no such file{beside(path)}") from None
+        raise InputError(f"{path}: no such file{'' if again else beside(path)}") from None
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise InputError(f"{path}: cannot be unpacked ({error}); is it complete?") from None
     except (OSError, ValueError) as error:

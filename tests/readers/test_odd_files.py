@@ -41,6 +41,7 @@ def test_a_hyphen_is_no_name_of_standard_input(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for reader in (understand, read_text, read_velocities):
         assert "standard input is read as /dev/stdin" in refused(reader, "-")
+    assert "/dev/stdin" not in refused(read_text, "-", again=True)  # no pipe is read twice
     own = dialects.canonical(made(), tmp_path)
     assert "/dev/stdin" in refused(understand, own, map_path="-")
     own.rename(tmp_path / "-")  # somebody's file may have this name
