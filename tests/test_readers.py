@@ -271,12 +271,14 @@ def wheelmove(recording, separator=";", decimal="."):
 def test_wheelmove_csv(tmp_path, separator, decimal, change):
     text = change(wheelmove(made(), separator, decimal)).replace(";\n", f"{separator}\n")
     path = write(tmp_path / "trial.csv", text)
-    assert_same(read_recording(path, sampling_rate_hz=100), made())
+    with pytest.warns(UserWarning, match=r"counted at 100 Hz.*lost samples cannot be seen"):
+        assert_same(read_recording(path, sampling_rate_hz=100), made())
 
 
 def test_wheelmove_csv_has_no_clock_so_the_rate_is_the_readers(tmp_path):
     path = write(tmp_path / "trial.csv", wheelmove(made()))
-    assert read_recording(path, sampling_rate_hz=128).sampling_rate_hz == 128
+    with pytest.warns(UserWarning, match="counted at 128 Hz"):
+        assert read_recording(path, sampling_rate_hz=128).sampling_rate_hz == 128
     with pytest.raises(InputError, match=r"states no sampling rate.*give it with --sampling-rate"):
         read_recording(path)
 
@@ -560,7 +562,8 @@ def test_velocity_csv_in_three_languages(tmp_path, language, separator, decimal)
 def test_velocity_csv_in_rad_per_second_and_without_clock(tmp_path):
     text = "yaw_rate_radps,linear_velocity_mps\n1.5,0.5\n2.5,0.7\n"
     path = write(tmp_path / "velocity.csv", text)
-    found = read_velocities(path, sampling_rate_hz=50)
+    with pytest.warns(UserWarning, match=r"counted at 50 Hz.*lost samples cannot be seen"):
+        found = read_velocities(path, sampling_rate_hz=50)
     assert found.yaw_rate_radps.tolist() == [1.5, 2.5]
     assert found.linear_velocity_mps.tolist() == [0.5, 0.7]
     assert found.time_s.tolist() == [0, 0.02]

@@ -23,7 +23,8 @@ Folder = Annotated[
 Rate = Annotated[
     float | None,
     typer.Option(
-        help="Hz; for files that state no rate (WheelMove-ID, the first x-IMU, some of Xsens).",
+        help="Hz; for files that state no rate (WheelMove-ID, the first x-IMU, some of Xsens), or "
+        "whose rows share time stamps.",
         min=1,
     ),
 ]

@@ -14,7 +14,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.readers.clocks import check_rate
 from mobility_imu.readers.layout import comma_separated, split_row
-from mobility_imu.readers.streams import LARGEST_RATE_DIFFERENCE, LOCAL, Asked, Stream
+from mobility_imu.readers.streams import LOCAL, Asked, Stream, contradicted, times_of_rows
 from mobility_imu.readers.table import NumberTable, parse_numbers
 from mobility_imu.readers.wording import quoted
 
@@ -119,9 +119,10 @@ class _Clock(NamedTuple):
 def _clock(lines: list[str], rate_hz: float, table: NumberTable, source: str) -> _Clock:
     """Number of the rows over the rate, or their stamps where these say otherwise."""
     head = "\n".join(lines[:HEAD_LINES])
-    time_s, epoch_s = np.arange(len(table)) / rate_hz, _epoch(head, source)
+    time_s, unseen = times_of_rows(len(table), rate_hz, source)
+    epoch_s, rate_from = _epoch(head, source), "the file's head"
     stamps, digits = _stamps(lines[HEAD_LINES], _order(head), source)
-    said, rate_from = [], "the file's head"
+    said: list[str] = []
     if len(stamps) == len(table):
         epoch_s = float((stamps[0] - np.datetime64("1970-01-01")) / np.timedelta64(1, "s"))
         passed_s = (stamps - stamps[0]) / np.timedelta64(1, "s")
@@ -130,24 +131,15 @@ def _clock(lines: list[str], rate_hz: float, table: NumberTable, source: str) ->
             said.append(_coarse(off_s, rate_hz, digits, source))
         elif off_s.max() > 0.5 / rate_hz:
             time_s, rate_from = passed_s, "its clock"
-            said += _contradicted(rate_hz, passed_s, source)
+            said += contradicted(rate_hz, passed_s, "Timestamp", source)
     elif "Timestamp" in table.every:
         said.append(
             f"{source}: the times of column Timestamp are not in the head's date format, so that "
             "lost rows cannot be seen; the rows are counted at the rate of the head"
         )
+    else:
+        said.append(unseen)
     return _Clock(time_s, epoch_s, rate_from, tuple(said))
-
-
-def _contradicted(stated_hz: float, time_s: FloatArray, source: str) -> list[str]:
-    """Sentence on a rate of the head that the stamps do not have; they are the clock."""
-    usual_s = float(np.median(np.diff(time_s)))
-    if abs(usual_s * stated_hz - 1) <= LARGEST_RATE_DIFFERENCE or usual_s <= 0:
-        return []
-    return [
-        f"{source}: the {stated_hz:g} Hz of its head are not used: its column Timestamp has "
-        f"{1 / usual_s:.5g} Hz; if the stamps are wrong, correct them"
-    ]
 
 
 def _are_coarse(digits: int, rate_hz: float) -> bool:

@@ -8,12 +8,9 @@ from __future__ import annotations
 
 import re
 
-import numpy as np
-
 from mobility_imu.errors import InputError
-from mobility_imu.frames import GAP_FACTOR, FloatArray
 from mobility_imu.readers.layout import comma_separated, split_row
-from mobility_imu.readers.streams import LARGEST_RATE_DIFFERENCE, TIME_UNITS, Asked, Stream, factor
+from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream, contradicted, factor
 from mobility_imu.readers.table import parse_numbers
 from mobility_imu.readers.wording import quoted
 
@@ -82,7 +79,7 @@ def _table(text: str, source: str) -> tuple[Stream, ...]:
         wanted=read.__contains__,
     )
     time_s = table.columns(["Time"], finite=True)[:, 0] * _time_scale(units.get("Time", ""), source)
-    said = _contradicted(float(stated[1]), time_s, source) if stated else ()
+    said = contradicted(float(stated[1]), time_s, "Time", source) if stated else ()
     streams: list[Stream] = []
     for label in dict.fromkeys(part[0] for part in parts if len(part) == 3):
         found = {}
@@ -112,21 +109,6 @@ def _time_scale(unit: str, source: str) -> float:
             f"{source}: time in '{quoted(unit)}' is not known; expected {', '.join(TIME_UNITS)}"
         )
     return scale
-
-
-def _contradicted(stated_hz: float, time_s: FloatArray, source: str) -> tuple[str, ...]:
-    """Sentence on a rate of the head that the clock does not have; the clock is kept."""
-    step = np.diff(time_s)
-    step = step[step > 0]
-    if not len(step):
-        return ()
-    own_hz = 1 / float(np.mean(step[step <= GAP_FACTOR * np.median(step)]))
-    if abs(stated_hz - own_hz) <= LARGEST_RATE_DIFFERENCE * own_hz:
-        return ()
-    return (
-        f"{source}: the {stated_hz:g} Hz of its head are not used: its column Time has "
-        f"{own_hz:.5g} Hz; if the times are wrong, correct them",
-    )
 
 
 def _format_7(text: str, source: str) -> tuple[Stream, ...]:

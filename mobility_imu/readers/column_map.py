@@ -33,7 +33,7 @@ from mobility_imu.readers.clocks import check_rate
 from mobility_imu.readers.geometry import is_repeated, read_toml
 from mobility_imu.readers.json_samples import json_table
 from mobility_imu.readers.layout import SEPARATORS, split_row
-from mobility_imu.readers.streams import TIME_UNITS, Stream, factor, known_unit
+from mobility_imu.readers.streams import TIME_UNITS, Stream, factor, known_unit, times_of_rows
 from mobility_imu.readers.table import MEND_ROW, NumberTable, parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
@@ -65,8 +65,8 @@ def read_mapped(text: str, source: str, map_path: str | Path) -> tuple[Stream, .
     plan = _plan(map_path)
     clock, sensors = plan["clock"], plan["sensors"]
     table = _table(text, source, plan, set(_used(clock, sensors)), map_path)
-    time_s, rate_from = _times(table, clock, map_path)
-    said = _other_units(clock, sensors, source, map_path)
+    time_s, rate_from, unseen = _times(table, clock, map_path)
+    said = (*_other_units(clock, sensors, source, map_path), *unseen)
     streams = []
     for name, sensor in sensors.items():
         values = {
@@ -276,12 +276,16 @@ def _whole(value: object, place: str) -> int:
     return value
 
 
-def _times(table: NumberTable, clock: dict[str, Any], path: str | Path) -> tuple[FloatArray, str]:
+def _times(
+    table: NumberTable, clock: dict[str, Any], path: str | Path
+) -> tuple[FloatArray, str, tuple[str, ...]]:
+    """Times, where they come from, and a sentence on what they do not show."""
     if "rate_hz" in clock:
         rate = check_rate(clock["rate_hz"], f"{path}, [clock] rate_hz")
-        return np.arange(len(table)) / rate, f"{Path(path).name}"
+        time_s, unseen = times_of_rows(len(table), rate, table.source)
+        return time_s, f"{Path(path).name}", (unseen,)
     times = table.columns([clock["column"]])[:, 0]
-    return np.asarray(times * TIME_UNITS[clock["unit"]]), "its clock"
+    return np.asarray(times * TIME_UNITS[clock["unit"]]), "its clock", ()
 
 
 def _signed(table: NumberTable, columns: Sequence[str]) -> FloatArray:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
+from mobility_imu.readers.blocks import check_stamps
 from mobility_imu.readers.clocks import (
     check_forward,
     ends_left_out,
@@ -78,7 +79,7 @@ def join_halves(
     Raises
     ------
     InputError
-        If the two share no time, or the rates' clock jumps back.
+        If the two share no time, a clock jumps back, or rows share a stamp.
     """
     if gyr is None or np.array_equal(acc.time_s, gyr.time_s):
         rates = None if gyr is None else gyr.values
@@ -87,6 +88,7 @@ def join_halves(
             gap_why=_reasons(acc.time_s, pauses),
         )  # fmt: skip
     for half in (acc, gyr):
+        check_stamps(half.time_s, half.values, half.source)
         check_forward(half.time_s, half.source)
     stamps, first = np.unique(gyr.time_s, return_index=True)
     values = gyr.values[first]

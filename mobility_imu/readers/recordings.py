@@ -13,6 +13,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
+from mobility_imu.readers.blocks import with_times_of_rows
 from mobility_imu.readers.clocks import check_fill, check_rate, one_clock
 from mobility_imu.readers.column_map import read_mapped
 from mobility_imu.readers.formats import find_format
@@ -26,7 +27,7 @@ from mobility_imu.readers.prefixes import (
 )
 from mobility_imu.readers.sessions import NoSession, is_session, read_session, session_files
 from mobility_imu.readers.streams import BELIEVED, STARTED, Asked, Stream, held_warnings
-from mobility_imu.readers.table import read_text
+from mobility_imu.readers.table import beside, read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.readers.xsens_mt import (
     is_xsens_mt,
@@ -161,9 +162,10 @@ def understand(
         form, streams, are_named = _streams(path, asked, map_path)
     except InputError as error:
         raise InputError(f"{error}{_as_several(path, expected)}") from None
+    streams, counted = with_times_of_rows(streams, asked, mapped=map_path is not None)
     named, said = _named(streams, expected, source, are_named=are_named)
     _check_case(named, source)
-    said = (*said, *asked.unused(streams))
+    said = (*said, *counted, *asked.unused(streams))
     for name, stream in named.items():
         whose = stream.source if len(named) == 1 else f"{stream.source}, {name}"
         said += held_warnings(stream.time_s, stream.acc_mps2, whose)
@@ -395,8 +397,10 @@ def _streams_of_one(
             return XSENS, of_one_prefix(whole, parts, asked), True
         if no_session is not None:
             raise InputError(f"{no_session}{exports_in(whole)}")
-        what = "is a folder" if _is_folder(whole) else "no such file"
-        raise InputError(f"{whole}: {what}, and no Xsens exports whose names begin like this")
+        what, do = "is a folder" if _is_folder(whole) else "no such file", beside(whole)
+        if _is_there(Path(_file_and_label(str(whole))[0])):
+            do = f"; one sensor of a file is given a name, as in frame={whole}"
+        raise InputError(f"{whole}: {what}, and no Xsens exports whose names begin like this{do}")
     if is_session(whole):
         return (*read_session(whole, asked), False)
     text = read_text(whole)

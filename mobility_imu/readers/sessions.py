@@ -27,7 +27,10 @@ rows of 150 characters are 430 million."""
 MOST_FILES = 200
 """Tables in a folder whose beginnings are read; more are a study. Set by hand."""
 DAMAGED = (zipfile.BadZipFile, EOFError, zlib.error, LZMAError)
-"""Errors of an archive that is not as it was written; one with a password is a RuntimeError."""
+"""Errors of an archive that is not as it was written."""
+LOCKED = 1
+"""Flag of a file in an archive that needs a password (APPNOTE.TXT, section 4.4.4, bit 0)."""
+UNPACK = "; unpack it and give the folder"
 XIO_FILES = ("sensors.csv", "Inertial.csv")
 PHONES = {
     "Sensor Logger": (is_sensor_logger, read_sensor_logger),
@@ -115,9 +118,10 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
         read_phone = PHONES[form][1]
         return form, read_phone({k: v for k, v in files.items() if v.strip()}, path.name, asked)
     held = sorted(names) or [f"{p.name}/" for p in sorted(path.glob("*/"))]
+    do = "" if path.is_dir() or not held else "; unpack it and give what is in it"
     raise NoSession(
         f"{path}: is a folder or archive without a session that is known (x-io, Sensor Logger, "
-        f"phyphox); it holds {listed(held) or 'nothing'}"
+        f"phyphox); it holds {listed(held) or 'nothing'}{do}"
     )
 
 
@@ -144,25 +148,32 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
     except UnicodeDecodeError:
         raise InputError(
             f"{path}: cannot be opened as an archive (the name of a file in it is not in UTF-8, as "
-            "it is marked); unpack it and give the folder"
+            f"it is marked){UNPACK}"
         ) from None
     except (OSError, ValueError, OverflowError, *DAMAGED, NotImplementedError) as error:
-        raise InputError(f"{path}: cannot be opened as an archive ({error})") from None
+        raise InputError(
+            f"{path}: cannot be opened as an archive ({error}); is it complete?"
+        ) from None
 
-    def member(name: str) -> str:
+    def content(name: str) -> str:
         try:
             with zipfile.ZipFile(path) as archive:
-                if archive.getinfo(name).file_size > LARGEST_MEMBER:
+                member = archive.getinfo(name)
+                if member.file_size > LARGEST_MEMBER:
                     raise InputError(f"{path}/{quoted(name)}: too large for a recording")
+                if member.flag_bits & LOCKED:
+                    raise InputError(f"{path}/{quoted(name)}: is locked with a password{UNPACK}")
                 return decoded(archive.read(name), f"{path}/{quoted(name)}")
         except InputError:
             raise
         except (OSError, ValueError, RuntimeError, OverflowError, *DAMAGED) as error:
+            # What another program can unpack: a kind of packing that is not known here.
+            do = UNPACK if isinstance(error, NotImplementedError) else ""
             raise InputError(
-                f"{path}/{quoted(name)}: cannot be read ({quoted(str(error), 100)})"
+                f"{path}/{quoted(name)}: cannot be read ({quoted(str(error), 100)}){do}"
             ) from None
 
-    return names, member
+    return names, content
 
 
 def _is_hidden(name: str) -> bool:

@@ -174,18 +174,91 @@ class Asked(NamedTuple):
         """
         said = []
         for stream in streams if self.sampling_rate_hz is not None else ():
-            step = np.diff(stream.time_s)
-            step = step[step > 0]
-            if stream.rate_from == GIVEN or not len(step):
-                continue
-            own = 1 / float(np.mean(step[step <= GAP_FACTOR * np.median(step)]))
+            own = None if stream.rate_from == GIVEN else rate_of_stamps(stream.time_s)
             assert self.sampling_rate_hz is not None
-            if abs(self.sampling_rate_hz - own) > LARGEST_RATE_DIFFERENCE * own:
+            if own is not None and not same_rate(self.sampling_rate_hz, own):
                 said.append(
                     f"{stream.source}: the given {self.sampling_rate_hz:g} Hz are not used: it has "
                     f"{own:.5g} Hz from {stream.rate_from}"
                 )
         return tuple(dict.fromkeys(said))
+
+
+def rate_of_stamps(time_s: FloatArray) -> float | None:
+    """Rate of the rows by their stamps; those that repeat or run back, and losses, do not count.
+
+    Parameters
+    ----------
+    time_s : (n,) array, s
+
+    Returns
+    -------
+    float, Hz; None if no stamp is after another
+    """
+    step = np.diff(time_s)
+    step = step[step > 0]
+    if not len(step):
+        return None
+    return 1 / float(np.mean(step[step <= GAP_FACTOR * np.median(step)]))
+
+
+def same_rate(stated_hz: float, own_hz: float) -> bool:
+    """Whether a stated rate is that of a clock, to :data:`LARGEST_RATE_DIFFERENCE`.
+
+    Parameters
+    ----------
+    stated_hz : Hz, of the user or of a file's head
+    own_hz : Hz, of the stamps
+
+    Returns
+    -------
+    bool
+    """
+    return abs(stated_hz - own_hz) <= LARGEST_RATE_DIFFERENCE * own_hz
+
+
+def contradicted(stated_hz: float, time_s: FloatArray, column: str, source: str) -> tuple[str, ...]:
+    """Sentence on a rate of a file's head that its stamps do not have; the stamps are the clock.
+
+    Parameters
+    ----------
+    stated_hz : Hz
+    time_s : (n,) array, s, the stamps
+    column : name of theirs
+    source : the file's name, for messages
+
+    Returns
+    -------
+    tuple of str, empty or with one sentence
+    """
+    own_hz = rate_of_stamps(time_s)
+    if own_hz is None or same_rate(stated_hz, own_hz):
+        return ()
+    return (
+        f"{source}: the {stated_hz:g} Hz of its head are not used: its column {column} has "
+        f"{own_hz:.5g} Hz; if the times are wrong, correct them",
+    )
+
+
+def times_of_rows(count: int, rate_hz: float, source: str) -> tuple[FloatArray, str]:
+    """Times of rows that have neither stamps nor a counter: their number over a stated rate.
+
+    Parameters
+    ----------
+    count : number of rows
+    rate_hz : Hz
+    source : the file's name, for messages
+
+    Returns
+    -------
+    time_s : (n,) array, s
+    said : sentence that says what these times do not show
+    """
+    said = (
+        f"{source}: its rows are counted at {rate_hz:g} Hz, without a clock or packet counter: "
+        "lost samples cannot be seen"
+    )
+    return np.arange(count) / rate_hz, said
 
 
 FEWEST_TO_JUDGE = 100

@@ -33,16 +33,21 @@ BINARY = {
     b"MATLAB 7.3": "a MATLAB file",
 }
 """How files begin that hold numbers, but no text."""
+GZIP = b"\x1f\x8b"
+"""How a packed file begins (RFC 1952, section 2.3.1)."""
 PACKED = {
     b"\xfd7zXZ\x00": "xz",
     b"BZh": "bzip2",
     b"7z\xbc\xaf\x27\x1c": "7-Zip",
     b"Rar!\x1a\x07": "RAR",
     b"\x28\xb5\x2f\xfd": "Zstandard",
+    GZIP: "gzip",
 }
-"""How packed files begin that are not unpacked here."""
-GZIP = b"\x1f\x8b"
-"""How a packed file begins (RFC 1952, section 2.3.1)."""
+"""How packed files begin that are not unpacked here, or not again."""
+LARGEST_UNPACKED = 2_000_000_000
+"""Bytes of an unpacked file; more is no recording, and may fill the memory. Set by hand: 8 hours of
+three sensors at 100 Hz with rows of 250 characters are 720 million."""
+NUL = "\0"
 MOST_COLUMNS = 20
 """Names of columns that a message lists at most."""
 MEND_ROW = "correct it, or remove the row and give --fill-gaps-s (fill_gaps_s in Python)"
@@ -90,15 +95,39 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
         raw = _read_bytes(path, again)
         # Under the name of a packed file, a browser may have saved what it unpacked.
         if raw.startswith(GZIP) or (path.suffix.lower() == ".gz" and not _is_plain(raw)):
-            raw = gzip.decompress(raw)
+            raw = _unpacked(raw, path)
+    except InputError:
+        raise
     except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
+        raise InputError(f"{path}: no such file{'' if again else beside(path)}") from None
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise InputError(f"{path}: cannot be unpacked ({error}); is it complete?") from None
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise InputError(f"{path}: cannot be read ({why})") from None
     return decoded(raw, str(path))
+
+
+def beside(path: Path) -> str:
+    """End of a message on a name that leads nowhere: what was meant by a hyphen.
+
+    Parameters
+    ----------
+    path : the name
+
+    Returns
+    -------
+    str, empty for other names
+    """
+    return "; standard input is read as /dev/stdin" if str(path) == "-" else ""
+
+
+def _unpacked(raw: bytes, path: Path) -> bytes:
+    with gzip.GzipFile(fileobj=io.BytesIO(raw)) as file:
+        content = file.read(LARGEST_UNPACKED + 1)
+    if len(content) > LARGEST_UNPACKED:
+        raise InputError(f"{path}: is too large for a recording when it is unpacked")
+    return content
 
 
 def decoded(raw: bytes, source: str) -> str:
@@ -135,7 +164,22 @@ def decoded(raw: bytes, source: str) -> str:
         text = before[0].replace("\ufeff", "") + text[before.end() :]
     if not text.strip():
         raise EmptyFile(f"{source}: the file is empty")
+    _check_end(text, source)
     return _with_line_feeds(text)
+
+
+def _check_end(text: str, source: str) -> None:
+    """Check that a text does not end in NUL bytes, as where a device loses its power."""
+    end = text.rstrip()
+    if not end.endswith(2 * NUL):  # UTF-16 without its mark has single ones
+        return
+    begin = end.rstrip(NUL)
+    if not begin.strip():
+        raise InputError(f"{source}: holds nothing but NUL bytes; copy it from the device again")
+    raise InputError(
+        f"{source}: line {begin.count(chr(10)) + 1}: the rest is NUL bytes, as where a device "
+        "loses its power; cut the file there"
+    )
 
 
 def _with_line_feeds(text: str) -> str:

@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.readers.clocks import check_rate
-from mobility_imu.readers.streams import FACTORS, LARGEST_RATE_DIFFERENCE, TIME_UNITS, known_unit
+from mobility_imu.readers.streams import (
+    FACTORS,
+    LARGEST_RATE_DIFFERENCE,
+    TIME_UNITS,
+    known_unit,
+    same_rate,
+    times_of_rows,
+)
 from mobility_imu.readers.table import NumberTable, line_of, parse_numbers, read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.results import Result
@@ -120,7 +127,8 @@ def read_velocities(
         )
     else:
         rate = check_rate(sampling_rate_hz, source)
-        time_s = np.arange(len(values)) / rate
+        time_s, unseen = times_of_rows(len(values), rate, source)
+        warnings.warn(unseen, stacklevel=2)
     given = _given_units(units)
     speed, yaw = (
         _in_si(table, place, quantity, given.get(quantity))
@@ -223,7 +231,7 @@ def _check_given_rate(given_hz: float | None, found_hz: float, source: str) -> N
     if given_hz is None:
         return
     given_hz = check_rate(given_hz, source)
-    if abs(given_hz - found_hz) > LARGEST_RATE_DIFFERENCE * found_hz:
+    if not same_rate(given_hz, found_hz):
         raise InputError(
             f"{source}: its time column has {found_hz:g} Hz, but {given_hz:g} Hz is given "
             "(--sampling-rate-hz, or freqAcq of the settings); leave it out, or correct the column"

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from mobility_imu.readers.streams import GIVEN, Asked, Stream
+from mobility_imu.readers.streams import GIVEN, Asked, Stream, times_of_rows
 from mobility_imu.readers.table import parse_numbers
 
 SENSORS = {"Chassis": "frame", "RoueGauche": "left_wheel", "RoueDroite": "right_wheel"}
@@ -44,7 +42,7 @@ def read_wheelmove_id(text: str, source: str, asked: Asked) -> tuple[Stream, ...
     """
     table = parse_numbers(text, source=source)
     rate = asked.rate(source, "a WheelMove-ID recording", " (its settings have it as freqAcq)")
-    time_s = np.arange(len(table)) / rate
+    time_s, said = times_of_rows(len(table), rate, source)
     return tuple(
         Stream(
             time_s,
@@ -54,6 +52,7 @@ def read_wheelmove_id(text: str, source: str, asked: Asked) -> tuple[Stream, ...
             label=ours,
             rate_from=GIVEN,
             counted=True,
+            warnings=(said,) if ours == "frame" else (),
         )
         for theirs, ours in SENSORS.items()
     )

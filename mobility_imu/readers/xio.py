@@ -2,14 +2,19 @@
 
 Both state their units in the names of the columns: g and deg/s. Both read +1 g on the axis that
 points up, and their gyroscopes are right-handed. The first x-IMU has the same columns without a
-clock.
+clock; its packet number counts packets of every kind, not samples.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
-from mobility_imu.readers.streams import GIVEN, TIME_UNITS, Asked, Stream, stream_in_g_and_degrees
+from mobility_imu.readers.streams import (
+    GIVEN,
+    TIME_UNITS,
+    Asked,
+    Stream,
+    stream_in_g_and_degrees,
+    times_of_rows,
+)
 from mobility_imu.readers.table import parse_numbers
 
 ACCELEROMETER = [f"Accelerometer {axis} (g)" for axis in "XYZ"]
@@ -57,10 +62,11 @@ def read_xio(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
         time_s = table.columns([clock], finite=True)[:, 0] * CLOCKS[clock]
         return (stream_in_g_and_degrees(table, time_s, ACCELEROMETER, GYROSCOPE),)
     rate = asked.rate(source, "a file of the first x-IMU", " (its Registers.csv has it)")
-    time_s = np.arange(len(table)) / rate
+    time_s, said = times_of_rows(len(table), rate, source)
     found = stream_in_g_and_degrees(table, time_s, ACCELEROMETER, GYROSCOPE)
     return (
         Stream(
-            time_s, found.acc_mps2, found.gyr_radps, source=source, rate_from=GIVEN, counted=True
+            time_s, found.acc_mps2, found.gyr_radps, source=source, rate_from=GIVEN, counted=True,
+            warnings=(said,),
         ),
-    )
+    )  # fmt: skip

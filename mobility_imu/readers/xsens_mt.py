@@ -14,7 +14,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import GAP_FACTOR, FloatArray
 from mobility_imu.readers.clocks import LONG_END_S, check_rate
 from mobility_imu.readers.layout import find_layout
-from mobility_imu.readers.streams import GIVEN, LARGEST_RATE_DIFFERENCE, Asked, Stream
+from mobility_imu.readers.streams import GIVEN, Asked, Stream, same_rate, times_of_rows
 from mobility_imu.readers.table import NumberTable, line_of, parse_numbers
 from mobility_imu.readers.wording import listed, quoted
 
@@ -111,7 +111,7 @@ def read_xsens_mt(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
 def _stream(export: Export, asked: Asked) -> Stream:
     """Samples at the times of the packet counter, or of SampleTimeFine without one."""
     rate, rate_from = _rate(export, asked)
-    counted, counter = True, export.counter
+    counted, counter, said = True, export.counter, export.warnings
     if counter is None and export.ticks_s is not None:
         # Without a packet counter only the ticks show what was lost.
         counter = _packets(export.ticks_s)
@@ -119,11 +119,14 @@ def _stream(export: Export, asked: Asked) -> Stream:
     if not counted:
         time_s = export.ticks_s
         rate_from = "SampleTimeFine"
+    elif counter is not None:
+        time_s = (counter - counter[0]) / rate
     else:
-        time_s = (np.arange(len(export.acc)) if counter is None else counter - counter[0]) / rate
+        time_s, unseen = times_of_rows(len(export.acc), rate, export.source)
+        said = (*said, unseen)
     assert time_s is not None
     return Stream(
-        time_s, export.acc, export.gyr, source=export.source, warnings=export.warnings,
+        time_s, export.acc, export.gyr, source=export.source, warnings=said,
         rate_from=rate_from, counted=counted, label=Path(export.source).stem,
     )  # fmt: skip
 
@@ -134,9 +137,9 @@ def _rate(export: Export, asked: Asked) -> tuple[float, str]:
     If head and SampleTimeFine have different rates, the one that the user gives is taken.
     """
     stated, own = export.rate_hz, _rate_of_ticks(export)
-    if stated is not None and own is not None and not _alike(stated, own):
+    if stated is not None and own is not None and not same_rate(stated, own):
         given = asked.sampling_rate_hz
-        right = [rate for rate in (stated, own) if given is not None and _alike(given, rate)]
+        right = [rate for rate in (stated, own) if given is not None and same_rate(given, rate)]
         if not right:
             raise InputError(
                 f"{export.source}: its head states {stated:g} Hz, but its SampleTimeFine has "
@@ -150,10 +153,6 @@ def _rate(export: Export, asked: Asked) -> tuple[float, str]:
         return own, "SampleTimeFine"
     what = "an export of MT Manager without Update Rate and SampleTimeFine"
     return asked.rate(export.source, what), GIVEN
-
-
-def _alike(rate_hz: float, own_hz: float) -> bool:
-    return abs(rate_hz - own_hz) <= LARGEST_RATE_DIFFERENCE * own_hz
 
 
 def _rate_of_ticks(export: Export) -> float | None:

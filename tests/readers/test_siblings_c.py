@@ -214,7 +214,8 @@ def test_a_column_of_ticks_is_no_clock(tmp_path, name):
     path = series(tmp_path, name, factors=(0.01,))
     with pytest.raises(InputError, match=rf"no time column \({name} is taken as a count\)"):
         read_velocities(path)
-    assert read_velocities(path, sampling_rate_hz=50).sampling_rate_hz == 50
+    with pytest.warns(UserWarning, match="counted at 50 Hz"):
+        assert read_velocities(path, sampling_rate_hz=50).sampling_rate_hz == 50
     beside = series(tmp_path, "time_s", name, factors=(1, 0.01))
     assert read_velocities(beside).sampling_rate_hz == 100
 

@@ -46,7 +46,9 @@ def test_a_count_of_rows_is_no_clock(written):
     for name in ("time index", "time_frame", "Time (sample)"):
         with pytest.raises(InputError, match="no time column"):
             read_velocities(written(name, unit=0.01))
-        assert read_velocities(written(name, unit=0.01), sampling_rate_hz=50).sampling_rate_hz == 50
+        with pytest.warns(UserWarning, match="counted at 50 Hz"):
+            found = read_velocities(written(name, unit=0.01), sampling_rate_hz=50)
+        assert found.sampling_rate_hz == 50
 
 
 def test_a_given_rate_has_to_fit_the_clock(written):

@@ -15,7 +15,7 @@ import pytest
 
 from mobility_imu.data import SAMPLE_VARIABLE, reference_folder, sample_folder
 from mobility_imu.errors import InputError
-from mobility_imu.readers import read_recording
+from mobility_imu.readers.recordings import understand
 from mobility_imu.readers.velocities import read_velocities
 from mobility_imu.reproduction import recorded
 from mobility_imu.reproduction.wheelchair.choices import frames_changed, label_steps
@@ -223,8 +223,8 @@ def test_wheels_follow_the_frame_in_left_turns_only_with_the_sign_safe_term(samp
 @pytest.mark.parametrize("name", TRIAL_FILES)
 def test_xsens_exports_read_as_the_shipped_table(name):
     trial = name.rpartition("/")[2].removesuffix(".csv")
-    joined = read_recording(SAMPLE / STRUCTURING / trial, sampling_rate_hz=100)
-    table = read_recording(SAMPLE / name, sampling_rate_hz=100)
+    joined = understand(SAMPLE / STRUCTURING / trial, sampling_rate_hz=100).recording
+    table = understand(SAMPLE / name, sampling_rate_hz=100).recording
     pd.testing.assert_frame_equal(
         joined.to_frame()[table.to_frame().columns], table.to_frame(), check_exact=True
     )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mobility_imu.filters import savitzky_golay
-from mobility_imu.readers import read_recording
+from mobility_imu.readers.recordings import understand
 from mobility_imu.simulation.wheelchair import (
     COURT,
     IDEAL,
@@ -105,7 +105,7 @@ def test_decimal_commas_in_the_first_step(tmp_path):
     row = ";".join(["0,10", "0,20", "9,80", "0,01", "0,02", "0,03"] * 3)
     path = tmp_path / "trial.csv"
     path.write_text("\n".join([";".join(names), row, row, row]) + "\n")
-    acc = read_recording(path, sampling_rate_hz=100).sensors["right_wheel"].acc_mps2
+    acc = understand(path, sampling_rate_hz=100).recording.sensors["right_wheel"].acc_mps2
     assert acc[0].tolist() == [0.1, 0.2, 9.8]
 
 

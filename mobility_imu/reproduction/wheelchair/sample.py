@@ -18,7 +18,7 @@ import numpy as np
 from mobility_imu.data import reference_folder
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers import read_recording
+from mobility_imu.readers.recordings import understand
 from mobility_imu.readers.velocities import read_velocities
 from mobility_imu.recording import Recording
 from mobility_imu.reproduction.published import load_published
@@ -153,7 +153,7 @@ def load_sample(folder: Path) -> Sample:
     Sample
     """
     static, straight, trial = (
-        read_recording(folder / name, sampling_rate_hz=SAMPLE_RATE_HZ) for name in TRIAL_FILES
+        understand(folder / name, sampling_rate_hz=SAMPLE_RATE_HZ).recording for name in TRIAL_FILES
     )
     calibration = calibrate_mount(static, straight, take_off_offsets=False)
     return Sample(static, straight, trial, calibration)
