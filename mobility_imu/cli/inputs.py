@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -52,6 +52,7 @@ def read_input(
     from mobility_imu.health import examine
     from mobility_imu.readers import read_recording
 
+    check_reading(sampling_rate_hz, fill_gaps_s)
     recording = read_recording(
         path,
         sampling_rate_hz=sampling_rate_hz,
@@ -62,6 +63,64 @@ def read_input(
         if found.code == "copy":
             raise InputError(found.sentence)
     return recording
+
+
+def check_reading(sampling_rate_hz: float | None, fill_gaps_s: float = 0.0) -> None:
+    """Check the options with which recordings are read; messages name the option.
+
+    Parameters
+    ----------
+    sampling_rate_hz : of ``--sampling-rate-hz``
+    fill_gaps_s : of ``--fill-gaps-s``
+
+    Raises
+    ------
+    InputError
+        If a value is impossible.
+    """
+    from mobility_imu.readers.clocks import check_fill, check_rate
+
+    if sampling_rate_hz is not None:
+        check_rate(sampling_rate_hz, "--sampling-rate-hz")
+    with as_typed({"gaps to be filled up to ": "--fill-gaps-s: gaps of up to "}):
+        check_fill(fill_gaps_s)
+
+
+@contextmanager
+def as_typed(words: Mapping[str, str]) -> Iterator[None]:
+    """Name settings as the user typed them where the library refuses their values.
+
+    Parameters
+    ----------
+    words : beginnings of the library's messages, such as "median_window = ", to what takes their
+        place, such as "--median-window "
+
+    Raises
+    ------
+    InputError
+        The same message in these words.
+    """
+    try:
+        yield
+    except InputError as error:
+        raise InputError(in_words(str(error), words)) from error
+
+
+def in_words(text: str, words: Mapping[str, str]) -> str:
+    """Sentence of the library in the words of the command line.
+
+    Parameters
+    ----------
+    text : message or warning
+    words : as for :func:`as_typed`
+
+    Returns
+    -------
+    str
+    """
+    for ours, typed in words.items():
+        text = text.replace(ours, typed)
+    return text
 
 
 def tell_faults(faults: Sequence[Fault], strict: bool) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from mobility_imu.cli.inputs import check_reading
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Quiet, Rate
 from mobility_imu.files import Outputs, csv_bytes
@@ -47,6 +48,7 @@ def read(
     files = recording_files(name)
     inputs = (*files, *([] if map_path is None else [map_path]))
     outputs = Outputs({"--output": output}, inputs)
+    check_reading(sampling_rate_hz, fill_gaps_s)
     found = understand(
         name,
         sampling_rate_hz=sampling_rate_hz,

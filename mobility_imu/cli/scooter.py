@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import naming, read_input, tell_faults
+from mobility_imu.cli.inputs import as_typed, in_words, naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
 from mobility_imu.errors import InputError
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
         ScooterMount,
     )
     from mobility_imu.scooter.angles import Form as LibraryForm
+    from mobility_imu.scooter.force import PoseLength
 
 Method = Literal["closed-form", "fusion"]
 Form = Literal["three-axis", "printed"]
@@ -39,11 +39,14 @@ LARGEST_SCALE_SD_DEG = 10.0
 """A protractor that is set no better judges nothing. Set by hand."""
 MEDIAN_WINDOW = 25
 """As in RideSettings, which is loaded only where it is needed."""
+WORDS = {
+    "median_window = ": "--median-window ",
+    "median window = ": "--median-window ",
+}
+"""Names of the settings in the library's messages, and of the options."""
 NO_FAULT = ": the sensors were accelerated in "
 LOSSES = {"frozen": "frozen", "range": "saturated", "no gravity": "weightless"}
 """Words of the estimate for the faults of an accelerometer that take some samples from it."""
-OTHER_LENGTH = re.compile(r"in pose (?P<pose>\d+) the (?P<sensor>lever|body)'s IMU reads ")
-"""What a calibration says of a pose in which an accelerometer reads something else than gravity."""
 
 Ride = Annotated[
     Path,
@@ -102,21 +105,23 @@ def angles(
     outputs = Outputs({"--output": output}, (*recording_files(recording), geometry))
     _check_options(method, single_imu, acc_noise_mps2)
     _tell_unused(method, form=form, median_window=median_window, causal=causal)
-    settings = RideSettings(
-        method=method,
-        single_imu=single_imu,
-        form=FORMS[form],
-        median_window=median_window,
-        acc_noise_mps2=acc_noise_mps2,
-        smooth=not causal,
-    )
+    with as_typed(WORDS):
+        settings = RideSettings(
+            method=method,
+            single_imu=single_imu,
+            form=FORMS[form],
+            median_window=median_window,
+            acc_noise_mps2=acc_noise_mps2,
+            smooth=not causal,
+        )
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s)
     if "body" not in ride.sensors and not single_imu:
         raise InputError(
             f"{ride.source}: no sensor 'body'; with the lever's IMU alone give --single-imu"
         )
-    found = _judged(ride, scooter, mount, settings, strict)
+    with as_typed(WORDS):
+        found = _judged(ride, scooter, mount, settings, strict)
     outputs.write({output: csv_bytes(found.to_frame(), output)})
     summarize([read_line(ride), *ride_lines(found), written_line([output])], quiet)
 
@@ -148,7 +153,7 @@ def _judged(
     faulty = [text for text in faulty if not any(loss in text for loss in lost)]
     if strict and faulty:
         raise InputError(faulty[0])
-    warn(text.replace("median_window = ", "--median-window ") for text in left)
+    warn(in_words(text, WORDS) for text in left)
     return found
 
 
@@ -216,26 +221,21 @@ def calibrate(
     if strict and found.severe:
         by_file = found.severe[0].startswith(tuple(one.source for one in recordings))
         raise InputError(found.severe[0] if by_file else f"{poses}: {found.severe[0]}")
-    warn(text for text in found.warnings if not _is_explained(text, of))
+    explained = [wrong.sentence for wrong in found.wrong_lengths if _is_explained(wrong, of)]
+    warn(text for text in found.warnings if text not in explained)
     outputs.write({output: found.to_toml().encode()})
     read = f"read: {len(parked)} parked recordings, {len(settings)} poses in each"
     summarize([read, *scooter_mount_lines(found), written_line([output])], quiet)
 
 
-def _is_explained(text: str, of: Sequence[tuple[Recording, Fault]]) -> bool:
-    """Whether a sentence on gravity's length in a pose repeats a fault that was told of it.
-
-    A body that leans is another thing: no scale turns gravity.
-    """
+def _is_explained(wrong: PoseLength, of: Sequence[tuple[Recording, Fault]]) -> bool:
+    """Whether a wrong length of gravity in a pose repeats a fault that was told of it."""
     from mobility_imu.scooter.calibration import find_stills
 
     for parked, fault in of:
-        said = OTHER_LENGTH.match(text.removeprefix(f"{parked.source}: "))
-        if not said or not text.startswith(f"{parked.source}: "):
+        if parked.source != wrong.source or f"{wrong.sensor}_acc" not in fault.sensor.split(", "):
             continue
-        pose, sensor = int(said["pose"]), said["sensor"]
-        rest = find_stills(parked)[pose - 1]
-        if fault.sensor.startswith(f"{sensor}_acc") and fault.flags[rest].any():
+        if fault.flags[find_stills(parked)[wrong.pose]].any():
             return True
     return False
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import naming, read_input, tell_faults
+from mobility_imu.cli.inputs import as_typed, naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Smooth, Strict, sub_app
 from mobility_imu.errors import InputError
@@ -99,7 +99,8 @@ def calibrate(
         "smooth": smooth,
         "settings": _settings(scale_percent),
     }
-    faults = find_tilt_faults(recording, frame, **options)
+    with as_typed({"order = ": "--order "}):
+        faults = find_tilt_faults(recording, frame, **options)
     tell_faults(faults, strict)
     with naming(faults):
         found = calibrate_mount(recording, frame, **options)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import naming, read_input, tell_faults
+from mobility_imu.cli.inputs import as_typed, check_reading, naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
 from mobility_imu.errors import InputError, needs
@@ -32,6 +32,13 @@ Camber = Literal["sign-safe", "printed"]
 Smoothing = Literal["none", "moving-average", "savitzky-golay"]
 Edge = Literal["covering", "tool"]
 FILTER_WINDOW, FILTER_ORDER = 7, 2
+FILTER_WORDS = {
+    "moving average window = ": "--filter-window ",
+    "Savitzky-Golay window = ": "--filter-window ",
+    "Savitzky-Golay order = ": "--filter-order ",
+    "from 0 to window - 1": "from 0 to one less than --filter-window",
+}
+"""Names of the filter's settings in the library's messages, and of the options."""
 MOST_SCALE_PERCENT = 100.0
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -94,7 +101,8 @@ def velocity(
     chair = WheelchairGeometry.from_toml(geometry)
     read = _read(trials, sampling_rate_hz, fill_gaps_s)
     of_filter = {"window": filter_window, "order": filter_order}
-    drive, still, line = (smooth_recording(recording, smoothing, **of_filter) for recording in read)
+    with as_typed(FILTER_WORDS):
+        drive, still, line = (smooth_recording(one, smoothing, **of_filter) for one in read)
     calibration = _calibrated(drive, still, line, take_off_offsets=camber != "printed")
     settings = _settings(camber, slip_correction)
     # Smoothing hides what repeats itself: faults are looked for in what was recorded.
@@ -384,21 +392,30 @@ def read_series(
         If the two files are faulty, or state different rates.
     """
     from mobility_imu.readers.velocities import read_velocities
-    from mobility_imu.wheelchair import TaskSettings, read_settings
+    from mobility_imu.wheelchair import TaskSettings
+    from mobility_imu.wheelchair.settings import read_named_settings
 
-    if settings is None:
-        return TaskSettings(), read_velocities(
-            velocity, sampling_rate_hz=sampling_rate_hz, units=units
-        )
-    thresholds, stated_hz = read_settings(settings)
+    check_reading(sampling_rate_hz)
+    named = None if settings is None else read_named_settings(settings)
+    stated_hz = None if named is None else named.sampling_rate_hz
     rate = stated_hz if sampling_rate_hz is None else sampling_rate_hz
-    series = read_velocities(velocity, sampling_rate_hz=rate, units=units)
+    with as_typed({"units: got ": "--units: got "}):
+        series = read_velocities(velocity, sampling_rate_hz=rate, units=units)
+    if named is None:
+        return TaskSettings(), series
     found_hz = series.sampling_rate_hz
     if stated_hz is not None and abs(stated_hz - found_hz) > 0.01 * found_hz:
         raise InputError(
             f"{settings}: freqAcq = {stated_hz:g} Hz, but {velocity} has {found_hz:g} Hz"
         )
-    return thresholds, series
+    try:
+        named.settings.frames(found_hz)
+    except InputError as error:
+        text = f"{settings}: {named.as_typed(error)}"
+        if named.settings.segment_s * found_hz < 1:
+            text += f"; has {velocity} its times in s, and no count of samples?"
+        raise InputError(text) from None
+    return named.settings, series
 
 
 def _chronogram(found: Tasks, path: Path) -> bytes:

@@ -451,6 +451,7 @@ def _pairs(parts: Sequence[str], *, loose: bool = False) -> list[tuple[str, str]
     names = [name for name, _ in pairs if name]
     if len(set(names)) < len(names):
         raise InputError(f"{quoted(','.join(parts))}: a sensor is named twice")
+    _check_case(names, quoted(",".join(parts)), "give each file a name of its own")
     for name, value in pairs:
         if name == CLOCK and value not in CLOCKS:
             known = [f"{CLOCK}={each}" for each in CLOCKS]
@@ -518,15 +519,19 @@ def _named(
     return {str(name): stream for name, stream in zip(names, streams, strict=True)}, tuple(said)
 
 
-def _check_case(names: Iterable[str], source: str) -> None:
-    """Check that no two sensors differ in case only: columns of tables have names in any case."""
+def _check_case(names: Iterable[str], source: str, advice: str = "") -> None:
+    """Check that no two sensors differ in case only: columns of tables have names in any case.
+
+    Without advice, the two may be one sensor whose columns are spelt in two ways.
+    """
     seen: dict[str, str] = {}
     for name in names:
         first = seen.setdefault(name.lower(), name)
         if first != name:
+            one = f"if they are one sensor, call it {name.lower()} everywhere, else rename one"
             raise InputError(
                 f"{source}: the sensors {first} and {name} differ only in upper and lower case; "
-                f"if they are one sensor, call it {name.lower()} everywhere, else rename one"
+                f"{advice or one}"
             )
 
 

@@ -22,7 +22,6 @@ from mobility_imu.errors import InputError
 from mobility_imu.files import write_text
 from mobility_imu.filters import rms
 from mobility_imu.frames import (
-    STANDARD_GRAVITY_MPS2,
     FloatArray,
     as_floats,
     as_number,
@@ -33,7 +32,7 @@ from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
 from mobility_imu.scooter.angles import three_axis_angles
-from mobility_imu.scooter.force import is_wrong_length
+from mobility_imu.scooter.force import PoseLength, wrong_lengths
 from mobility_imu.scooter.geometry import (
     ScooterGeometry,
     lever_acceleration,
@@ -134,6 +133,7 @@ class ScooterCalibration(Result):
     pose_sd_rad, prior_sd_rad : rad, what it was made with, see :func:`mount_from_poses`
     misfit_rad : rad, root mean square angle by which the poses miss eq. 5 with this mount
     severe : those of the warnings after which the mount must not be used
+    wrong_lengths : PoseLength of each sensor that reads something else than gravity in a pose
     """
 
     mount: ScooterMount
@@ -145,6 +145,7 @@ class ScooterCalibration(Result):
     prior_sd_rad: float = PRIOR_SD_RAD
     misfit_rad: float = float("nan")
     severe: tuple[str, ...] = ()
+    wrong_lengths: tuple[PoseLength, ...] = ()
 
     def to_toml(self, path: str | Path | None = None) -> str:
         """Text of a geometry file with geometry, mount and standard deviations.
@@ -204,16 +205,18 @@ def calibrate_mount(
     of_each = [(one.source, parked_poses(one, settings_of_poses_rad)) for one in parked]
     poses = [pose for _, some in of_each for pose in some]
     found = mount_from_poses(poses, geometry, pose_sd_rad=pose_sd_rad, prior_sd_rad=prior_sd_rad)
+    lengths = [_wrong_lengths(source, some) for source, some in of_each]
     swayed = [
         text
-        for source, some in of_each
-        for text in (*_says_length(source, some), *_says_sway(source, some))
+        for wrong, (source, some) in zip(lengths, of_each, strict=True)
+        for text in (*(one.sentence for one in wrong), *_says_sway(source, some))
     ]
     # Where a reading is at fault, no angle is to blame.
-    wrong = [] if swayed else _says_wrong(found, [some for _, some in of_each], parked)
-    severe = (*swayed, *found.severe, *wrong)
+    angles = [] if swayed else _says_wrong(found, [some for _, some in of_each], parked)
+    severe = (*swayed, *found.severe, *angles)
     others = [text for text in found.warnings if text not in found.severe]
-    return replace(found, warnings=(*severe, *others), severe=severe)
+    told = tuple(one for wrong in lengths for one in wrong)
+    return replace(found, warnings=(*severe, *others), severe=severe, wrong_lengths=told)
 
 
 def mount_from_poses(
@@ -384,21 +387,15 @@ def _says_wrong(
     return [wrong.sentence(table)]
 
 
-def _says_length(source: str, poses: Sequence[ParkedPose]) -> list[str]:
-    """Sentence for each sensor that reads something else than gravity in a pose."""
-    says = []
-    for name in ("lever", "body"):
-        forces = np.array([getattr(pose, f"{name}_acc_mps2") for pose in poses])
-        lengths = np.linalg.norm(forces, axis=1)
-        wrong = [k for k, length in enumerate(lengths.tolist()) if is_wrong_length(length)]
-        if wrong:
-            worst = max(wrong, key=lambda k: abs(lengths[k] - STANDARD_GRAVITY_MPS2))
-            says.append(
-                f"{source}: in pose {worst + 1} the {name}'s IMU reads {lengths[worst]:.3g} m/s², "
-                f"where gravity is {STANDARD_GRAVITY_MPS2:.3g}: its accelerometer is at fault for "
-                "some time or in its range; record again"
-            )
-    return says
+def _wrong_lengths(source: str, poses: Sequence[ParkedPose]) -> tuple[PoseLength, ...]:
+    """Pose and length for each sensor that reads something else than gravity in a pose."""
+    return tuple(
+        wrong
+        for name in ("lever", "body")
+        for wrong in wrong_lengths(
+            source, name, np.array([getattr(pose, f"{name}_acc_mps2") for pose in poses])
+        )
+    )
 
 
 def _says_sway(source: str, poses: Sequence[ParkedPose]) -> list[str]:

@@ -20,8 +20,6 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.errors import InputError
 from mobility_imu.faults import (
     Fault,
-    Repair,
-    exchanged,
     multiplied,
     shifted,
     turned_back,
@@ -32,7 +30,14 @@ from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
-from mobility_imu.scooter.agreement import Agreement, Lag, lag_between, twist_between
+from mobility_imu.scooter.agreement import Lag, lag_between, twist_between
+from mobility_imu.scooter.exchanges import (
+    AT_ODDS,
+    CLEARLY_BETTER,
+    MUCH_BETTER,
+    Suspect,
+    exchanges,
+)
 from mobility_imu.scooter.fusion import SLOWEST_RATE_HZ
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 from mobility_imu.scooter.machine import zeros_of
@@ -46,11 +51,6 @@ __all__ = ["Contradictions", "all_turned_back", "contradictions", "rearranged", 
 SHORTEST_S = 5.0
 """Recordings that are shorter say nothing of two sensors together; the rates of slower ones than
 ``SLOWEST_RATE_HZ`` cannot be integrated."""
-CLEARLY_BETTER, MUCH_BETTER = 0.5, 0.55
-"""A fault, undone, has to make the sum of squared misfits smaller by the first number (3 is usual)
-and to less than the second part of it. Swept on simulated rides, seeds 36,000 to 41,000."""
-AT_ODDS = 12.0
-"""Sum of squared misfits of sensors that contradict each other: twice what is usual of each."""
 SURE_LAG = 0.7
 """Correlation about the locked axis from which on a lag is believed."""
 SMALLEST_LAG_S, LAG_SDS = 0.01, 5.0
@@ -91,24 +91,8 @@ FORCE_AXES = (
     ((0, 2, 1), EVEN, "axes y and z of the accelerometer are exchanged"),
 )
 """Axes, signs and words of what an export makes of an accelerometer's axes."""
-INCLINATIONS_DEG = np.arange(5.0, 46.0, 5.0)
-"""Inclinations of the steering that are tried in place of the stated one."""
-SMALLEST_SLIP_RAD, LARGEST_SLIP_RAD = np.deg2rad([4.0, 20.5]).tolist()
-"""Errors of a stated inclination that are tried: less bends the angles and looks like a mount."""
 LARGEST_OFFSETS_MG = 100.0
 """What the zero-g offsets of two consumer accelerometers may differ by (data sheets: 50 each)."""
-
-
-class _Suspect(NamedTuple):
-    """A fault that may explain what is at odds, and how well the sensors agree without it."""
-
-    code: str
-    sensor: str
-    what: str
-    size: float
-    unit: str
-    repair: Repair | None
-    after: Agreement
 
 
 class Contradictions(NamedTuple):
@@ -188,9 +172,9 @@ def _whole(pair: SensorPair) -> NDArray[np.bool_]:
     return np.ones(len(pair.recording), np.bool_)
 
 
-def _suspects(pair: SensorPair, on_one_clock: bool) -> Iterator[_Suspect]:
+def _suspects(pair: SensorPair, on_one_clock: bool) -> Iterator[Suspect]:
     """Each way in which a fault could have come about."""
-    yield from _exchange(pair)
+    yield from exchanges(pair)
     yield from _force_axes(pair)
     if pair.stated is None:
         return
@@ -204,7 +188,7 @@ def _suspects(pair: SensorPair, on_one_clock: bool) -> Iterator[_Suspect]:
         yield from _mirrors(pair)
 
 
-def _best(pair: SensorPair, suspects: list[_Suspect]) -> _Suspect | None:
+def _best(pair: SensorPair, suspects: list[Suspect]) -> Suspect | None:
     """Suspect without which the sensors agree best, if they do so clearly better.
 
     A lag need not make them agree better: it has a standard deviation of its own. Axes across the
@@ -225,7 +209,7 @@ def _best(pair: SensorPair, suspects: list[_Suspect]) -> _Suspect | None:
     return best
 
 
-def _signs(pair: SensorPair) -> Iterator[_Suspect]:
+def _signs(pair: SensorPair) -> Iterator[Suspect]:
     for name in ("lever", "body"):
         for signs in product((1.0, -1.0), repeat=3):
             bad = [axis for axis, sign in zip("xyz", signs, strict=True) if sign < 0]
@@ -236,7 +220,7 @@ def _signs(pair: SensorPair) -> Iterator[_Suspect]:
             else:
                 what = f"axes {', '.join(bad)} of the gyroscope have"
             other = "body" if name == "lever" else "lever"
-            yield _Suspect(
+            yield Suspect(
                 "reversed", f"{name}_gyr",
                 f"turns the other way than its accelerometer and the {other}'s sensor show: {what} "
                 "the wrong sign; check the export's axes",
@@ -246,7 +230,7 @@ def _signs(pair: SensorPair) -> Iterator[_Suspect]:
             )  # fmt: skip
 
 
-def _force_axes(pair: SensorPair) -> Iterator[_Suspect]:
+def _force_axes(pair: SensorPair) -> Iterator[Suspect]:
     """Accelerometers with an axis reversed, or two exchanged; right ones leave nothing at odds."""
     drives = rms(pair.motion.body_locked) > LEAST_TURNING_RADPS
     # On a scooter that stands level the body's axes x and y feel nothing.
@@ -257,7 +241,7 @@ def _force_axes(pair: SensorPair) -> Iterator[_Suspect]:
             if after is None or after.squared > AT_ODDS:
                 continue
             if pair.stated is None or after.squared < pair.stated.squared:
-                yield _Suspect(
+                yield Suspect(
                     "reversed" if signs != EVEN else "swapped", f"{name}_acc",
                     "feels gravity elsewhere than its gyroscope and the other sensor show: "
                     f"{what}; check the export's axes", float("nan"), "", repair, after,
@@ -284,7 +268,7 @@ def rearranged(
     return with_half(recording, sensor, "acc", values)
 
 
-def _scales(pair: SensorPair) -> Iterator[_Suspect]:
+def _scales(pair: SensorPair) -> Iterator[Suspect]:
     for name in ("lever", "body"):
         factor = _factor(pair, name)
         after = pair.with_rates(name, factor)
@@ -299,7 +283,7 @@ def _scales(pair: SensorPair) -> Iterator[_Suspect]:
             times = f"1/{LARGEST_SCALE:.0f} or less of"
         else:
             times = f"{reads:.2f} times" if reads > 0.1 else f"{reads:.2g} times"
-        yield _Suspect(
+        yield Suspect(
             "scale", f"{name}_gyr",
             f"reads {times} what the other sensors show: check the unit and the range that it was "
             "exported with",
@@ -330,7 +314,7 @@ def _factor(pair: SensorPair, name: str) -> float:
     return float(np.exp(tried[best] if at_bound else found.x))
 
 
-def _late(pair: SensorPair, lag: Lag) -> Iterator[_Suspect]:
+def _late(pair: SensorPair, lag: Lag) -> Iterator[Suspect]:
     least = max(SMALLEST_LAG_S, LAG_SDS * lag.sd_s)
     if lag.correlation < SURE_LAG or abs(lag.lag_s) < least:
         return
@@ -338,61 +322,14 @@ def _late(pair: SensorPair, lag: Lag) -> Iterator[_Suspect]:
     repair = partial(shifted, sensor=late, lag_s=abs(lag.lag_s))
     after = pair.repaired(repair)
     if after is not None:
-        yield _Suspect(
+        yield Suspect(
             "lag", late,
             f"comes {abs(lag.lag_s):.3f} ± {lag.sd_s:.3f} s later than the {first}'s sensor: bring "
             "both on one clock", abs(lag.lag_s), "s", repair, after,
         )  # fmt: skip
 
 
-def _exchange(pair: SensorPair) -> Iterator[_Suspect]:
-    repair = partial(exchanged, first="lever", second="body")
-    after = pair.repaired(repair)
-    if after is None or after.squared > AT_ODDS:
-        return  # right names leave nothing at odds
-    if pair.stated is None or after.squared < pair.stated.squared:
-        yield from _other_inclination(pair, after)
-        yield _Suspect(
-            "exchanged", "lever, body",
-            "have each other's names: what is called the body turns on the lever's hinges; "
-            "exchange them, or the inclinations in the geometry file are wrong",
-            float("nan"), "", repair, after,
-        )  # fmt: skip
-
-
-def _other_inclination(pair: SensorPair, exchanged_: Agreement) -> Iterator[_Suspect]:
-    """Inclination of the steering with which sensors agree as they are named, clearly better.
-
-    With names exchanged, the sensors agree at another alpha than the right one as well: what looks
-    like an exchange may be a wrong alpha.
-    """
-    stated = pair.geometry.steering_inclination_rad
-    found: list[tuple[float, float, Agreement]] = []
-    for alpha in np.deg2rad(INCLINATIONS_DEG).tolist():
-        if not SMALLEST_SLIP_RAD < abs(alpha - stated) <= LARGEST_SLIP_RAD:
-            continue
-        geometry = ScooterGeometry(alpha, pair.geometry.lever_inclination_rad)
-        try:
-            after = SensorPair(pair.recording, geometry, pair.mount).stated
-        except InputError:
-            continue
-        if after is not None:
-            found.append((after.squared, alpha, after))
-    if not found:
-        return
-    squared, alpha, after = min(found, key=lambda one: one[0])
-    better = exchanged_.squared - squared > CLEARLY_BETTER
-    if better and squared < MUCH_BETTER * exchanged_.squared:
-        yield _Suspect(
-            "geometry", "lever, body",
-            f"fit a steering inclined by about {np.rad2deg(alpha):.0f} deg, not by "
-            f"{np.rad2deg(stated):.0f}: look at the inclinations in the geometry file; or the "
-            "sensors have each other's names",
-            float(np.rad2deg(alpha)), "deg", None, after,
-        )  # fmt: skip
-
-
-def _quarters(pair: SensorPair) -> Iterator[_Suspect]:
+def _quarters(pair: SensorPair) -> Iterator[Suspect]:
     """Sensors that sit turned about their z axis by a quarter or two."""
     for name in ("lever", "body"):
         for angle in QUARTERS_DEG:
@@ -403,14 +340,14 @@ def _quarters(pair: SensorPair) -> Iterator[_Suspect]:
             )
             after = pair.repaired(repair)
             if after is not None:
-                yield _Suspect(
+                yield Suspect(
                     "turned", name,
                     f"sits turned by {angle:.0f} deg about its z axis; mount it as the geometry "
                     "says, or calibrate the mount", angle, "deg", repair, after,
                 )  # fmt: skip
 
 
-def _mirrors(pair: SensorPair) -> Iterator[_Suspect]:
+def _mirrors(pair: SensorPair) -> Iterator[Suspect]:
     """Sensors with left-handed axes: one axis of both halves is reversed."""
     for name in ("lever", "body"):
         for axis in range(3):
@@ -418,7 +355,7 @@ def _mirrors(pair: SensorPair) -> Iterator[_Suspect]:
             repair = partial(unmirrored, sensor=name, signs=signs)
             after = pair.repaired(repair)
             if after is not None:
-                yield _Suspect(
+                yield Suspect(
                     "left-handed", name,
                     f"has left-handed axes: with its {'xyz'[axis]} axis the other way round both "
                     "sensors agree; check the export's axes", float("nan"), "", repair, after,

@@ -94,12 +94,13 @@ def find_faults(
     """Faults of the sensors of a ride, or of a parked recording, with what they cost.
 
     Beside what :func:`~mobility_imu.health.examine` finds of each sensor alone: the lever's sensor
-    late against the body's; both exchanged; axes of a gyroscope with the wrong sign, or left-handed
-    axes; scale and offset of a gyroscope; axes of an accelerometer with the wrong sign, or
-    exchanged; a sensor that is turned otherwise than the mount says, or slips during the ride; an
-    inclination of the steering at which the sensors agree, other than that of the geometry (code
-    ``geometry``); and two sensors that contradict each other. Of each accelerometer: no gravity for
-    a while; another length of gravity than a sensor can read; and readings that are given again.
+    late against the body's; both exchanged, or one half of both; axes of a gyroscope with the wrong
+    sign, or left-handed axes; scale and offset of a gyroscope; axes of an accelerometer with the
+    wrong sign, or exchanged; a sensor that is turned otherwise than the mount says, or slips during
+    the ride; an inclination of the steering at which the sensors agree, other than that of the
+    geometry (code ``geometry``); and two sensors that contradict each other. Of each accelerometer:
+    no gravity for a while; another length of gravity than a sensor can read; and readings that are
+    given again.
 
     What both show together is not looked for with one sensor, without gyroscopes, below 5 s or
     10 Hz, where an accelerometer is lost for most of the time, or where a gyroscope or an axis says

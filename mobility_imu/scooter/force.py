@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs, runs_of
 
 __all__ = [
+    "PoseLength",
     "ends_in_a_jump",
     "forceless",
     "held_faults",
@@ -37,6 +39,7 @@ __all__ = [
     "scale_fault",
     "weightless",
     "wrong_length",
+    "wrong_lengths",
 ]
 
 MEAN_S = 0.5
@@ -251,3 +254,50 @@ def scale_fault(recording: Recording, name: str) -> Fault | None:
         "range that it was exported with", size=times, unit="times",
         repair=partial(multiplied, sensor=name, half="acc", factors=1 / times),
     )  # fmt: skip
+
+
+class PoseLength(NamedTuple):
+    """A parked pose in which an accelerometer reads something else than gravity.
+
+    Parameters
+    ----------
+    source : name of the recording
+    pose : its number in the recording, from 0
+    sensor : "lever" or "body"
+    length_mps2 : m/s², length of the mean reading
+    """
+
+    source: str
+    pose: int
+    sensor: str
+    length_mps2: float
+
+    @property
+    def sentence(self) -> str:
+        """Words of a message."""
+        return (
+            f"{self.source}: in pose {self.pose + 1} the {self.sensor}'s IMU reads "
+            f"{self.length_mps2:.3g} m/s², where gravity is {STANDARD_GRAVITY_MPS2:.3g}: its "
+            "accelerometer is at fault for some time or in its range; record again"
+        )
+
+
+def wrong_lengths(source: str, sensor: str, forces_mps2: FloatArray) -> tuple[PoseLength, ...]:
+    """Pose of a parked recording whose force is farthest from gravity, if it is none.
+
+    Parameters
+    ----------
+    source : name of the recording
+    sensor : "lever" or "body"
+    forces_mps2 : (n, 3) array, m/s², mean reading in each pose
+
+    Returns
+    -------
+    tuple of one PoseLength, or empty
+    """
+    lengths = np.linalg.norm(forces_mps2, axis=1).tolist()
+    wrong = [k for k, length in enumerate(lengths) if is_wrong_length(length)]
+    if not wrong:
+        return ()
+    worst = max(wrong, key=lambda k: abs(lengths[k] - STANDARD_GRAVITY_MPS2))
+    return (PoseLength(source, worst, sensor, lengths[worst]),)

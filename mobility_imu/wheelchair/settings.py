@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -12,7 +14,13 @@ from mobility_imu.readers.clocks import check_rate
 from mobility_imu.readers.settings import read_json_numbers
 from mobility_imu.readers.wording import listed
 
-__all__ = ["SettingsFile", "TaskSettings", "read_settings"]
+__all__ = [
+    "NamedSettings",
+    "SettingsFile",
+    "TaskSettings",
+    "read_named_settings",
+    "read_settings",
+]
 
 MAY_BE_ZERO = (
     "pivot_radius_m",
@@ -145,6 +153,43 @@ class SettingsFile(NamedTuple):
     sampling_rate_hz: float | None
 
 
+@dataclass(frozen=True)
+class NamedSettings:
+    """Settings of a file, and the names that they have there.
+
+    Parameters
+    ----------
+    settings : TaskSettings
+    sampling_rate_hz : Hz, or None
+    keys : name of a setting to the key of the file; of one that the file leaves out, to the key
+        that the file would have it under
+    """
+
+    settings: TaskSettings
+    sampling_rate_hz: float | None
+    keys: Mapping[str, str]
+
+    def as_typed(self, error: InputError) -> str:
+        """Message on these settings with the keys of the file.
+
+        Parameters
+        ----------
+        error : raised for one of them
+
+        Returns
+        -------
+        str
+        """
+        return _with_keys(str(error), self.keys)
+
+
+def _with_keys(message: str, keys: Mapping[str, str]) -> str:
+    """Message in which each setting has its key's name."""
+    for name, key in keys.items():
+        message = re.sub(rf"\b(?:{TaskSettings.__name__}\.)?{name}(?= (?:=|is) )", key, message)
+    return message
+
+
 def read_settings(path: str | Path) -> SettingsFile:
     """Settings from a JSON file, with the public tool's keys or with ours.
 
@@ -164,6 +209,26 @@ def read_settings(path: str | Path) -> SettingsFile:
         If it is not a JSON object of numbers, has an unknown key, two values for one setting, or a
         value that is impossible, or the sampling rate is none that a sensor has.
     """
+    named = read_named_settings(path)
+    return SettingsFile(named.settings, named.sampling_rate_hz)
+
+
+def read_named_settings(path: str | Path) -> NamedSettings:
+    """Settings of a JSON file as :func:`read_settings` reads them, with the file's own names.
+
+    Parameters
+    ----------
+    path : JSON file
+
+    Returns
+    -------
+    NamedSettings
+
+    Raises
+    ------
+    InputError
+        As for :func:`read_settings`.
+    """
     numbers = {
         key: 0.0 if value is None else value for key, value in read_json_numbers(path).items()
     }
@@ -176,12 +241,18 @@ def read_settings(path: str | Path) -> SettingsFile:
         known = ", ".join([*_TOOL_KEYS, "freqAcq"])
         raise InputError(f"{path}: {listed(unknown)} is not a setting (known: {known})")
     values: dict[str, float] = {}
+    keys: dict[str, str] = {}
     for key, value in numbers.items():
         name = _TOOL_KEYS.get(key, key)
         if name in values and values[name] != value:
-            raise InputError(f"{path}: {key} = {value:g}, but {name} = {values[name]:g} as well")
+            raise InputError(
+                f"{path}: {key} = {value:g}, but {keys[name]} = {values[name]:g} as well"
+            )
         values[name] = value
+        keys.setdefault(name, key)
+    if not _TOOL_KEYS.keys().isdisjoint(numbers):
+        keys = {name: key for key, name in _TOOL_KEYS.items()} | keys
     try:
-        return SettingsFile(TaskSettings(**values), rate)
+        return NamedSettings(TaskSettings(**values), rate, keys)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise InputError(f"{path}: {_with_keys(str(error), keys)}") from None

@@ -255,3 +255,20 @@ def test_filled_gaps_are_told(ride, works):
     said = works(*angles("gap.csv"), "--fill-gaps-s", 1).stderr
     assert "warning: gap.csv: 1 gap(s) filled in with 10 interpolated samples" in said
     assert len(pd.read_csv(ride / "a.csv")) == 200
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "says"),
+    [
+        ("--median-window", "0", "--median-window 0: expected a whole number"),
+        ("--median-window", "8", "--median-window 8: expected an odd number"),
+        ("--median-window", "2001", "ride.csv: --median-window 2001: longer than"),
+        ("--sampling-rate-hz", "inf", ": --sampling-rate-hz: sampling rate of inf Hz"),
+        ("--fill-gaps-s", "61", ": --fill-gaps-s: gaps of up to 61.0 s: expected"),
+    ],
+)
+def test_an_impossible_value_is_named_as_typed(room, fails, option, value, says):
+    line = ["ride.csv", option, value]
+    fails("scooter", "angles", *line, "--geometry", "g.toml", "-o", "a.csv", says=[says])
+    if option != "--median-window":
+        fails("read", *line, says=[says])

@@ -94,3 +94,11 @@ def test_a_written_recording_says_where_its_times_begin(files, works):
     assert "count from its first" not in works("read", "trial.csv", "-o", "again.csv").stderr
     one = ",".join(f"{name}={name}.csv" for name in COLUMNS)
     assert "count from its first sample" in works("read", one, "-o", "own.csv").stderr
+
+
+@pytest.mark.usefixtures("files")
+@pytest.mark.parametrize("line", [["Frame=frame.csv", "frame=none.csv"], ["a=frame.csv,A=b.csv"]])
+def test_names_that_differ_in_case_only_are_refused_before_a_file_is_read(fails, line):
+    """Columns of tables have names in any case; one name for two files would be wrong as well."""
+    said = fails("read", *line, "-o", "out.csv", says=["differ only in upper and lower case"])
+    assert said.endswith("; give each file a name of its own")

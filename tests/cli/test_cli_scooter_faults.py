@@ -1,5 +1,7 @@
 """Faults of a scooter's sensors on the command line: told with their cost, refused if strict."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,6 +10,7 @@ from command_lines import angles
 from mobility_imu.cli.scooter import _is_explained
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.scooter.force import PoseLength
 
 FUSION = ("--method", "fusion")
 
@@ -204,9 +207,10 @@ def parked_with(fault_samples, sensor="lever_acc", code="scale"):
     ],
 )
 def test_only_a_length_that_a_fault_of_the_same_pose_explains_is_left_out(samples, sensor, told):
-    of = [parked_with(samples, sensor)]
-    text = "a.csv: in pose 2 the lever's IMU reads 7 m/s², where gravity is 9.81"
-    assert _is_explained(text, of) == told
-    assert not _is_explained(text.replace("a.csv", "b.csv"), of)
-    assert not _is_explained("a.csv: in pose 2 gravity lies 5 deg otherwise", of)
-    assert not _is_explained("the poses fit no mount", of)
+    parked, fault = parked_with(samples, sensor)
+    wrong = PoseLength("a.csv", 1, "lever", 7.0)
+    assert _is_explained(wrong, [(parked, fault)]) == told
+    assert not _is_explained(wrong._replace(source="b.csv"), [(parked, fault)])
+    assert not _is_explained(wrong, [])
+    exchanged = replace(fault, sensor=f"body_acc, {sensor}")
+    assert _is_explained(wrong, [(parked, exchanged)]) == told

@@ -65,8 +65,37 @@ def test_check_events_and_filters(tmp_path, works, fails):
     assert events["duration_s"].sum() == pytest.approx(52.5)
     tasks = pd.read_csv(tmp_path / "t.csv")
     assert set(tasks["direction"].dropna()) == {"left", "right"}
-    even = ["--filter", "moving-average", "--filter-window", 8]
-    fails(*velocity(), *even, says=["8", "odd"])
+
+
+@pytest.mark.parametrize(
+    ("kind", "option", "value", "says"),
+    [
+        ("moving-average", "--filter-window", 8, "expected an odd number"),
+        ("moving-average", "--filter-window", 100001, "longer than the 5250 samples"),
+        ("savitzky-golay", "--filter-window", -1, "expected an odd number"),
+        ("savitzky-golay", "--filter-order", 9, "expected from 0 to one less than --filter-window"),
+        ("savitzky-golay", "--filter-order", -1, "expected a whole number of 0 or more"),
+    ],
+)
+def test_an_impossible_filter_is_named_as_typed(fails, kind, option, value, says):
+    line = fails(*velocity(), "--filter", kind, option, value)
+    assert f": {option} {value}: {says}" in line
+
+
+@pytest.mark.parametrize(
+    ("settings", "says"),
+    [
+        ({"seuilRayonMin": -1}, "s.json: seuilRayonMin = -1.0: expected"),
+        ({"inptSegmentsec": 1e9}, "s.json: inptSegmentsec = 1e+09: more than"),
+        ({"inptSegmentsec": 1e-4}, "s.json: inptSegmentsec = 0.0001 is less than one frame"),
+        ({"look_s": 1e9}, "s.json: look_s = 1e+09: more than"),
+        ({"freqAcq": -5}, "s.json: freqAcq: sampling rate of -5.0 Hz"),
+    ],
+)
+def test_an_impossible_setting_is_named_by_the_key_of_its_file(tmp_path, fails, settings, says):
+    velocity_csv(tmp_path / "v.csv")
+    (tmp_path / "s.json").write_text(json.dumps(settings))
+    fails("wheelchair", "tasks", "v.csv", "-o", "t.csv", "--settings", "s.json", says=[says])
 
 
 def test_no_task_is_named_where_the_velocities_are_not_valid(tmp_path, works):
@@ -309,3 +338,6 @@ def test_a_count_as_clock_is_named_with_its_file(tmp_path, fails):
     table.to_csv(tmp_path / "v.csv", index=False)
     says = ["v.csv: segment_s = 0.25 is less than one frame at 1 Hz; are its times in s"]
     fails("wheelchair", "tasks", "v.csv", "-o", "t.csv", says=says)
+    (tmp_path / "s.json").write_text('{"inptSegmentsec": 0.25}')
+    says = ["s.json: inptSegmentsec = 0.25 is less", "has v.csv its times in s, and no count"]
+    fails("wheelchair", "tasks", "v.csv", "-o", "t.csv", "--settings", "s.json", says=says)

@@ -157,6 +157,10 @@ def test_a_pose_without_gravity_is_told():
 
     found = calibrated(off_for_seconds, "lever")
     assert re.search(r"in pose \d the lever's IMU reads .* m/s², where gravity is", found.severe[0])
+    wrong = found.wrong_lengths[0]
+    assert wrong.sentence == found.severe[0] and wrong.sensor == "lever"
+    assert wrong.length_mps2 < 8
+    assert f"in pose {wrong.pose + 1} the lever's" in found.severe[0]
 
 
 @pytest.mark.parametrize("sensor", ["lever", "body"])
