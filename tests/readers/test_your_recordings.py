@@ -17,6 +17,7 @@ from mobility_imu.readers.recordings import understand
 from mobility_imu.readers.streams import FACTORS, held_warnings
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.scooter import ScooterMount
+from mobility_imu.scooter.exchanges import exchanged_halves
 from mobility_imu.simulation.scooter import COURSES, draw_driver, draw_scooter, simulate_ride
 from mobility_imu.wheelchair.slip import SlipSettings, at_odds
 
@@ -47,6 +48,7 @@ def of_a_ride():
         "held": with_half(ride, "lever", "acc", acc[fresh]),
         "reversed": with_half(ride, "lever", "acc", acc * [-1, 1, 1]),
         "slipped": Recording(ride.time_s, {"lever": ride.sensor("lever"), "body": slipped}),
+        "exchanged": exchanged_halves(ride, "gyr"),
     }
     for code, faulty in changes.items():
         found = scooter.find_faults(faulty, scooter.SUZUKI_ET4D, mount)
