@@ -215,9 +215,12 @@ def hinge_cases(folder):
             there &= np.isfinite(ours["first_rad"])
 
         def judge(answer, steering=steering, throttle=throttle, there=there):
+            first = angle_error(answer["first_rad"], steering, there)
+            second = angle_error(-answer["second_rad"], throttle, there)
             return {
-                "steering_rms_deg": angle_error(answer["first_rad"], steering, there),
-                "throttle_rms_deg": angle_error(-answer["second_rad"], throttle, there),
+                "steering_rms_deg": first,
+                "throttle_rms_deg": second,
+                "both_rms_deg": float(np.hypot(first, second)),
             }
 
         cases.append(Case(name, checksum(path), given, ours, judge))
@@ -291,13 +294,13 @@ SETS = (
         "two hinges", "two-hinges", "qmt", "peer_qmt.py",
         "both sensors, both axes",
         QMT_SETTINGS,
-        hinge_cases, ("steering_rms_deg", "throttle_rms_deg"),
+        hinge_cases, ("steering_rms_deg", "throttle_rms_deg", "both_rms_deg"),
     ),
     RealSet(
         "one hinge", "one-hinge", "qmt", "peer_qmt.py",
         "both sensors, both axes, the encoder's zero",
         QMT_SETTINGS,
-        hinge_cases, ("steering_rms_deg", "throttle_rms_deg"),
+        hinge_cases, ("steering_rms_deg", "throttle_rms_deg", "both_rms_deg"),
     ),
     RealSet(
         "feet", "foot-walks", "gaitmap", "peer_gaitmap_feet.py",
