@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -170,18 +171,23 @@ def read_settings(path: str | Path) -> SettingsFile:
     rate = numbers.pop("freqAcq", None)
     if rate is not None:
         check_rate(rate, f"{path}: freqAcq")
-    ours = set(TaskSettings.__dataclass_fields__)
+    ours = tuple(TaskSettings.__dataclass_fields__)
     unknown = [key for key in numbers if key not in _TOOL_KEYS and key not in ours]
     if unknown:
-        known = ", ".join([*_TOOL_KEYS, "freqAcq"])
+        known = ", ".join([*ours, *_TOOL_KEYS, "freqAcq"])
         raise InputError(f"{path}: {listed(unknown)} is not a setting (known: {known})")
     values: dict[str, float] = {}
+    typed: dict[str, str] = {}
     for key, value in numbers.items():
         name = _TOOL_KEYS.get(key, key)
+        typed[name] = key
         if name in values and values[name] != value:
             raise InputError(f"{path}: {key} = {value:g}, but {name} = {values[name]:g} as well")
         values[name] = value
     try:
         return SettingsFile(TaskSettings(**values), rate)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        text = str(error).removeprefix("TaskSettings.")
+        for name, key in typed.items():
+            text = re.sub(rf"\b{name}\b", key, text)
+        raise InputError(f"{path}: {text}") from None
