@@ -524,7 +524,8 @@ def _on_distances(geometry: WheelchairGeometry, fitted: _Distances) -> list[str]
 def _swapped(gain: float) -> str:
     return (
         f"the wheels turn against the frame (gain {gain:.2f}): left and right wheel sensor are "
-        "swapped, the straight-line trial was driven backward, or the frame's sensor is upside down"
+        "swapped, or the frame's sensor is upside down, or the straight-line trial was driven "
+        "backward"
     )
 
 

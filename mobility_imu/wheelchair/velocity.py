@@ -582,6 +582,6 @@ def _refuse_swapped_wheels(
     if gain < -0.3:
         raise InputError(
             f"{recording.source}: the wheels' yaw rate is {gain:.2f} times the frame's, expected "
-            "about 1: left and right wheel are swapped, the straight-line trial was driven "
-            "backward, or the frame's sensor is upside down"
+            "about 1: left and right wheel are swapped, or the frame's sensor is upside down, or "
+            "the straight-line trial was driven backward"
         )
