@@ -29,6 +29,9 @@ LARGEST_OFFSET_RADPS = 0.15
 """No gyroscope that is sold has a larger offset (8.6 deg/s): it is a steady turn."""
 SHORTEST_FROZEN_S = 0.25
 """Seconds of the shortest repetition that is called frozen."""
+NO_ACCIDENT = 1e-9
+"""Chance of a repetition from which on it is none, by how often each axis repeats elsewhere. It
+counts at low sampling rates only: a quarter of a second is 3 readings at 12.5 Hz."""
 COARSE_REPEATS = 0.5
 """Chance from which on an axis at rest is called coarse: its next reading is the same again.
 
@@ -213,6 +216,11 @@ def frozen_samples(
         return repeated
     resolution = resolution_of(values, skip=repeated)
     parts = _repetitions(values, repeated)
+    if resolution.pairs and not resolution.all_coarse:
+        chance = float(resolution.repeats.prod())
+        for part in parts:
+            repeated[part] = chance ** (part.stop - part.start - 1) < NO_ACCIDENT
+        parts = [part for part in parts if repeated[part].all()]
     # Where it moves whenever it does not repeat, its steps are seen by what it comes back to.
     rests = parts if resolution.all_coarse else _taken_again(values, parts) if expected else []
     frozen = repeated.copy()

@@ -169,8 +169,9 @@ def _calibrated(
 def _faults_of_trial(trial: Recording) -> list[Fault]:
     """Faults of a trial of the calibration, which uses no accelerometer of a wheel."""
     from mobility_imu.health import examine
+    from mobility_imu.wheelchair.remarks import of_chair
 
-    return [fault for fault in examine(trial) if "wheel_acc" not in fault.sensor]
+    return [fault for fault in examine(of_chair(trial)) if "wheel_acc" not in fault.sensor]
 
 
 def _warn_of_calibration(
@@ -278,8 +279,11 @@ def check_text(found: GeometryCheck, told: Collection[str] = ()) -> str:
         ]
         lines += [
             f"track that fits the turns   {found.track_m:.4f} ± {found.track_sd_m:.4f} m",
-            f"right over left radius      {found.radius_ratio:.4f} ± {found.radius_ratio_sd:.4f} "
-            "times what is given",
+            "right over left radius      "
+            + known(
+                found.radius_ratio,
+                f"{found.radius_ratio:.4f} ± {found.radius_ratio_sd:.4f} times what is given",
+            ),
             f"camber from the axles       {camber:.1f} ± {camber_sd:.1f} deg",
         ]
     if found.fits:
@@ -328,7 +332,7 @@ def tasks(
     from mobility_imu.wheelchair.outcomes import turn_direction
 
     thresholds, series = read_series(velocity, settings, sampling_rate_hz, units)
-    found = _identified(velocity, series, thresholds, edge)
+    found = _identified(velocity, series, thresholds, edge, settings)
     warn(found.warnings)
     table = found.to_frame()
     if direction:
@@ -352,16 +356,22 @@ def tasks(
 
 
 def _identified(
-    velocity: Path, series: VelocitySeries, thresholds: TaskSettings, edge: Edge
+    velocity: Path,
+    series: VelocitySeries,
+    thresholds: TaskSettings,
+    edge: Edge,
+    settings: Path | None,
 ) -> Tasks:
-    """Tasks; an error names the file, and its clock where that may be the cause."""
+    """Tasks; an error names the file at fault, and its clock where that may be the cause."""
     from mobility_imu.wheelchair import identify_tasks
 
     try:
         return identify_tasks(series, thresholds, edge=edge)
     except InputError as error:
         text = str(error) if str(velocity) in str(error) else f"{velocity}: {error}"
-        if thresholds.segment_s * series.sampling_rate_hz < 1:
+        if settings is not None and str(error).startswith(("segment_s = ", "look_s = ")):
+            text = f"{settings}: {error}"
+        elif thresholds.segment_s * series.sampling_rate_hz < 1:
             text += "; are its times in s, and no count of samples?"
         raise InputError(text) from None
 

@@ -33,6 +33,7 @@ from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelPair
 from mobility_imu.wheelchair.mount import WheelchairMount
+from mobility_imu.wheelchair.remarks import other_names
 from mobility_imu.wheelchair.saturation import saturated_gyroscopes, saturation_warnings
 
 __all__ = [
@@ -58,6 +59,8 @@ LARGEST_OFF_AXLE_SHARE = 0.15
 LARGEST_HEADING_CHANGE_RAD = np.deg2rad(45)
 # A trial whose straightest part is less of its way was no straight line with a bend.
 SMALLEST_PART_OF_THE_WAY = 0.4
+# Who goes forward and comes back by hand ends within a few percent of the way from the start.
+SMALLEST_WAY_LEFT = 0.1
 ACCELERATION_SMOOTHING_S = 0.15
 # 0.15 m/s for a usual wheel; with less, the forward direction would be read from noise.
 SMALLEST_RATE_CHANGE_RADPS = 0.5
@@ -297,7 +300,7 @@ def calibrate_mount(
         warnings=(
             *(
                 f"{straight.source}: no sensor on the {side} wheel; the mount holds for the other "
-                "only"
+                f"only{other_names(straight)}"
                 for side in SIDES
                 if side not in axles
             ),
@@ -333,6 +336,12 @@ def _axle(straight: Recording, side: Side, up: FloatArray | None) -> tuple[Float
         direction, share = axle_direction(gyr)
     except InputError as error:
         raise InputError(f"{straight.source}: {side} wheel: {error}") from None
+    spin = gyr @ direction
+    if spin.sum() < SMALLEST_WAY_LEFT * np.abs(spin).sum():
+        raise InputError(
+            f"{straight.source}: the {side} wheel turns {travel / 2:.1f} rad one way and as far "
+            "back, so that forward is not known; cut the straight-line trial to its way forward"
+        )
     unexplained = share
     if up is not None:
         along = float(np.sqrt(np.mean(np.square(gyr @ direction))))

@@ -71,6 +71,10 @@ GYROSCOPE_AXIS_SD_RAD = 0.02 / 3
 """Assumed lean of its axes toward each other, from the 2 % cross-axis sensitivity of that sheet."""
 BLOCK_S = 1.0
 """Residuals last about a push; those of one block are taken together."""
+LEAST_ROLLED = 0.05
+"""Way that does not go with turning, as a fraction of the wheels' way, from which on the radii
+show. On the spot scale and time of the gyroscopes leave under a hundredth of a mean speed, and what
+goes with it is theirs."""
 # Below this, track, mismatch of the radii and offset cannot be told apart.
 SMALLEST_INDEPENDENT_PART = 1e-6
 UNJUDGED = frozenset(
@@ -130,7 +134,8 @@ class GeometryCheck(Result):
         1 is right; NaN without enough of such turns
     track_m, track_sd_m : track that fits the turns, with the camber as given and the radii as
         given to 0.5 % each
-    radius_ratio, radius_ratio_sd : factor on right over left radius that fits (1: as given)
+    radius_ratio, radius_ratio_sd : factor on right over left radius that fits (1: as given); NaN
+        where the chair turns on the spot only
     camber_rad, camber_sd_rad : camber from the rate across the axles
     geometry : WheelchairGeometry that was checked
     offsets : sensor to GyroscopeOffset that was taken off
@@ -203,8 +208,7 @@ def check_geometry(
     expect("geometry", geometry, WheelchairGeometry)
     expect("mount", mount, WheelchairMount)
     gyroscopes = _Gyroscopes(
-        as_number(gyr_scale_sd, "gyr_scale_sd", zero=True),
-        as_number(gyr_axis_sd_rad, "gyr_axis_sd_rad", zero=True),
+        _at_most_1(gyr_scale_sd, "gyr_scale_sd"), _at_most_1(gyr_axis_sd_rad, "gyr_axis_sd_rad")
     )
     names = ("frame", *(f"{side}_wheel" for side in SIDES))
     merged = merge_offsets(rest_offsets(recording, names), as_offsets(offsets))
@@ -242,6 +246,14 @@ def check_geometry(
         geometry=geometry,
         offsets=found,
     )
+
+
+def _at_most_1(value: float, name: str) -> float:
+    number = as_number(value, name, zero=True)
+    if number > 1:
+        hint = " (in percent?)" if name == "gyr_scale_sd" else " (in deg?)"
+        raise InputError(f"{name} = {number:g}: expected 0 to 1{hint}")
+    return number
 
 
 def _spoils(fault: Fault, turned_rad: float, together: bool) -> bool:
@@ -350,7 +362,7 @@ def _verdict(
     if told_sd > TRACK_TOLERANCE_M and distance > 3 * distance_sd:
         return {"warnings": (_scattered(agreement["turned_rad"], told_sd),)}
     gains = [
-        float((parts.apart - mismatch * parts.speed)[way] @ parts.yaw[way])
+        float((parts.apart - np.nan_to_num(mismatch) * parts.speed)[way] @ parts.yaw[way])
         / float(parts.yaw[way] @ parts.yaw[way])
         / geometry.wheel_centre_distance_m
         if way.sum() >= SHORTEST_TURNING_S * parts.recording.sampling_rate_hz
@@ -410,8 +422,16 @@ def _distances(
             f"{recording.source}: the wheels' speed is constant or proportional to the yaw rate "
             "throughout, expected turns and straight lines; do both wheel sensors work?"
         )
-    block = pieces_of(len(yaw), BLOCK_S, recording.sampling_rate_hz)
-    found, covariance = fit_by_pieces(design, parts.apart[moving], block[moving])
+    block = pieces_of(len(yaw), BLOCK_S, recording.sampling_rate_hz)[moving]
+    rolls = _rolled(design, parts.apart[moving]) >= LEAST_ROLLED
+    if rolls:
+        found, covariance = fit_by_pieces(design, parts.apart[moving], block)
+    else:  # the radii are as given, to what a tape can do
+        found, covariance = np.zeros(3), np.zeros((3, 3))
+        others = np.ix_([0, 2], [0, 2])
+        found[[0, 2]], covariance[others] = fit_by_pieces(
+            design[:, [0, 2]], parts.apart[moving], block
+        )
     axes = {
         "frame": -geometry.wheel_centre_distance_m * mount.rotation_frame_imu_to_chair[2],
         **{
@@ -429,6 +449,8 @@ def _distances(
     by_wheels = np.hypot(left, right)
     by_turn = np.hypot(by_wheels / 2, gain_sd(mount.rotation_frame_imu_to_chair[2]))
     mismatch, mismatch_sd = found[1], np.hypot(np.sqrt(covariance[1, 1]), by_wheels)
+    if not rolls:
+        mismatch, mismatch_sd = np.nan, np.nan
     _, told = _known(found, covariance, 1, RADIUS_RATIO_SD)
     found, covariance = _known(found, covariance, 1, float(np.hypot(RADIUS_RATIO_SD, by_wheels)))
     distance_sd = np.hypot(np.sqrt(covariance[0, 0]), found[0] * by_turn)
@@ -439,6 +461,16 @@ def _distances(
         float(mismatch_sd),
         float(np.sqrt(told[0, 0])),
     )
+
+
+def _rolled(design: FloatArray, apart: FloatArray) -> float:
+    """Way that does not go with the yaw rate, over the wheels' way.
+
+    The design has yaw rate, speed and ones.
+    """
+    turn, speed = design[:, [0, 2]], design[:, 1]
+    left = speed - turn @ np.linalg.lstsq(turn, speed, rcond=None)[0]
+    return float(np.abs(left).sum() / np.maximum(np.abs(speed), np.abs(apart) / 2).sum())
 
 
 def _known(
@@ -492,7 +524,8 @@ def _on_distances(geometry: WheelchairGeometry, fitted: _Distances) -> list[str]
 def _swapped(gain: float) -> str:
     return (
         f"the wheels turn against the frame (gain {gain:.2f}): left and right wheel sensor are "
-        "swapped, or the frame's sensor is upside down"
+        "swapped, or the frame's sensor is upside down, or the straight-line trial was driven "
+        "backward"
     )
 
 

@@ -49,6 +49,7 @@ from mobility_imu.wheelchair.recovery import (
     unreplaced,
     with_gyroscope,
 )
+from mobility_imu.wheelchair.remarks import of_chair
 from mobility_imu.wheelchair.rest_faults import offsets_not_told
 from mobility_imu.wheelchair.saturation import saturated_gyroscopes, saturation_warnings
 from mobility_imu.wheelchair.series import as_offsets
@@ -193,6 +194,7 @@ def sensor_faults(
     expect("mount", mount, WheelchairMount)
     settings = settings_or_default("settings", settings, VelocitySettings)
     given = as_offsets(offsets)
+    recording = of_chair(recording)
     if recording.sampling_rate_hz < SLOWEST_HZ:
         copies = (fault for fault in examine(recording) if fault.code == "copy")
         return (*copies, _slow_clock(recording))

@@ -109,11 +109,14 @@ class WheelchairGeometry:
                 hint = ""
                 if 10 <= radius <= 50:
                     hint = " (in cm?)"
+                elif 100 <= radius <= 500:
+                    hint = " (in mm?)"
                 elif 0.5 < radius <= 2.5:
                     hint = " (a diameter or circumference?)"
                 raise InputError(f"{name} = {radius:g}: expected between 0.1 and 0.5 m{hint}")
         if not 0.3 <= self.track_m <= 1.5:
-            hint = " (in cm?)" if self.track_m > 30 else ""
+            hint = " (in cm?)" if 30 <= self.track_m <= 150 else ""
+            hint = " (in mm?)" if 300 <= self.track_m <= 1500 else hint
             raise InputError(f"track_m = {self.track_m:g}: expected between 0.3 and 1.5 m{hint}")
         if self.wheel_centre_distance_m < 0.2:
             raise InputError(
@@ -216,7 +219,12 @@ class WheelchairGeometry:
             If there is no such file or section, a key is missing or unknown, or a value is
             impossible; the message names the file.
         """
-        in_radians = "camber_rad" in (find_table(path, "wheelchair") or {})
+        table = find_table(path, "wheelchair") or {}
+        in_radians = "camber_rad" in table
+        if in_radians and "camber_deg" in table:
+            raise InputError(
+                f"{path}, [wheelchair]: camber_rad and camber_deg are both given; leave one out"
+            )
         camber = "camber_rad" if in_radians else "camber_deg"
         keys = (camber, "wheel_radius_left_m", "wheel_radius_right_m", "track_m")
         values = read_section(path, "wheelchair", keys)

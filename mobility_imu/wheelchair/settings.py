@@ -235,10 +235,10 @@ def read_named_settings(path: str | Path) -> NamedSettings:
     rate = numbers.pop("freqAcq", None)
     if rate is not None:
         check_rate(rate, f"{path}: freqAcq")
-    ours = set(TaskSettings.__dataclass_fields__)
+    ours = tuple(TaskSettings.__dataclass_fields__)
     unknown = [key for key in numbers if key not in _TOOL_KEYS and key not in ours]
     if unknown:
-        known = ", ".join([*_TOOL_KEYS, "freqAcq"])
+        known = ", ".join([*ours, *_TOOL_KEYS, "freqAcq"])
         raise InputError(f"{path}: {listed(unknown)} is not a setting (known: {known})")
     values: dict[str, float] = {}
     keys: dict[str, str] = {}

@@ -13,7 +13,7 @@ from scipy import ndimage
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.filters import moving_average, savitzky_golay
-from mobility_imu.frames import FloatArray, one_of
+from mobility_imu.frames import FloatArray, as_count, one_of
 from mobility_imu.recording import PLAUSIBLE_ACC_MPS2, Imu, Recording
 from mobility_imu.wheelchair.geometry import WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
@@ -56,13 +56,16 @@ def smooth_recording(
     if method == "none":
         return recording
     smooth = _smoother(method, window, order)
-    sensors = {
-        name: Imu(
-            _with_gravity(imu.acc_mps2, smooth),
-            None if imu.gyr_radps is None else smooth(imu.gyr_radps),
-        )
-        for name, imu in recording.sensors.items()
-    }
+    try:
+        sensors = {
+            name: Imu(
+                _with_gravity(imu.acc_mps2, smooth),
+                None if imu.gyr_radps is None else smooth(imu.gyr_radps),
+            )
+            for name, imu in recording.sensors.items()
+        }
+    except InputError as error:
+        raise InputError(f"{recording.source}: {error}") from None
     return Recording(recording.time_s, sensors, source=recording.source)
 
 
@@ -126,6 +129,13 @@ def with_smoothing_sd(
         raise InputError(
             f"unsmoothed: {len(unsmoothed)} samples, expected {len(smoothed)} as smoothed has"
         )
+    expect("geometry", geometry, WheelchairGeometry)
+    expect("mount", mount, WheelchairMount)
+    window = as_count(window, "window")
+    if method == "none":
+        window = 1
+    if window > len(smoothed):
+        raise InputError(f"window = {window}: longer than the {len(smoothed)} samples")
     weights = _smoother(method, window, order)(np.eye(1, 2 * window + 1, window)[0])
     left = float(np.square(weights).sum())
     taken = 1 - 2 * float(weights[window]) + left

@@ -16,7 +16,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import check_columns, expect, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_clock, as_count, as_flags, as_number, one_of
+from mobility_imu.frames import (
+    FloatArray,
+    as_clock,
+    as_count,
+    as_flags,
+    as_floats,
+    as_number,
+    one_of,
+)
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of, runs_of
 from mobility_imu.wheelchair.codes import Codes, Task, as_codes
@@ -232,7 +240,7 @@ def window_means(values: ArrayLike, length: int) -> FloatArray:
     >>> window_means([1.0, 2.0, 6.0], 2).tolist()
     [1.5, 4.0, 6.0]
     """
-    x, length = np.asarray(values, float), as_count(length, "length")
+    x, length = as_floats(values, "values"), as_count(length, "length")
     if x.ndim != 1:
         raise InputError(f"values: expected one time series, got an array of shape {x.shape}")
     total = np.zeros(len(x))

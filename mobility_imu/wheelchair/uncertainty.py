@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import ndimage
 
-from mobility_imu.arguments import expect
+from mobility_imu.arguments import check_limits, expect
 from mobility_imu.frames import FloatArray, as_number, as_series, check_positive
 from mobility_imu.offsets import UNKNOWN_OFFSET_SD_RADPS, GyroscopeOffset
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
@@ -35,6 +35,8 @@ __all__ = [
 
 UNKNOWN_NOISE_RADPS = float(np.deg2rad(0.1))
 """Noise of one sample of a usual sensor of which no rest is known."""
+LARGEST_ASSUMED = 1e6
+"""Beyond this an assumed error says no more than this does, and its squares overflow."""
 PUSH_S = 1.0
 """About a push: over this the wheels' disagreement and the chair's rocking are averaged."""
 
@@ -59,7 +61,7 @@ class AssumedErrors:
     Raises
     ------
     InputError
-        If a value is no finite number of 0 or more.
+        If a value is no finite number of 0 or more, or beyond 1e6.
     """
 
     radius_sd: float = 0.005
@@ -74,6 +76,7 @@ class AssumedErrors:
         """Check the numbers."""
         names = tuple(self.__dataclass_fields__)
         check_positive(self, *names, allow_zero=names)
+        check_limits(self, dict.fromkeys(names, (0.0, LARGEST_ASSUMED)))
 
 
 def velocity_standard_deviation(

@@ -44,6 +44,7 @@ from mobility_imu.wheelchair.recovery import (
     with_gyroscope,
     with_recovered_sd,
 )
+from mobility_imu.wheelchair.remarks import alone, backward, coarse, coarse_steps, with_steps
 from mobility_imu.wheelchair.saturation import (
     saturated_gyroscopes,
     saturation_warnings,
@@ -466,18 +467,12 @@ def _one_recording(
     yaw_rate = rates["frame"][:, 2]
     if both and settings.form == "corrected":
         warnings += at_odds(slip, wheel_yaw, yaw_rate, settings.slip, source.source)
-    sd = speed_uncertainty(
-        rates,
-        wheel_yaw - yaw_rate if both else None,
-        geometry,
-        mount,
-        recording.sampling_rate_hz,
-        offsets=offsets,
-        errors=settings.assumed,
-    )
+    steps = coarse_steps(source, there, failed)
+    rate, errors, widened = recording.sampling_rate_hz, settings.assumed, with_steps(offsets, steps)
+    apart = wheel_yaw - yaw_rate if both else None
+    sd = speed_uncertainty(rates, apart, geometry, mount, rate, offsets=widened, errors=errors)
     if both:
-        rate, errors = recording.sampling_rate_hz, settings.assumed
-        sd = with_recovered_sd(sd, rates, failed, geometry, mount, rate, offsets, errors)
+        sd = with_recovered_sd(sd, rates, failed, geometry, mount, rate, widened, errors)
     valid = usable_samples(len(recording), {n: lost[n] for n in names if n in lost})
     return ChairVelocity(
         time_s=recording.time_s,
@@ -489,7 +484,12 @@ def _one_recording(
         yaw_rate_sd_radps=unknown_where(sd.yaw_rate_sd_radps, lost, ["frame"]),
         offsets=dict(offsets),
         settings=settings,
-        warnings=(*_alone(recording, present), *warnings),
+        warnings=(
+            *alone(recording, present),
+            *warnings,
+            *coarse(source, steps),
+            *backward(recording, velocity, geometry),
+        ),
         valid=valid,
     )
 
@@ -506,16 +506,6 @@ def _rates(
     except InputError as error:
         where = "" if recording.source in str(error) else f"{recording.source}: "
         raise InputError(f"{where}{error}") from None
-
-
-def _alone(recording: Recording, present: Sequence[Side]) -> tuple[str, ...]:
-    """Warning where one wheel has no sensor."""
-    if len(present) == 2:
-        return ()
-    return (
-        f"{recording.source}: only the {present[0]} wheel has a sensor; speed from it and the "
-        "frame, slip cannot be seen",
-    )
 
 
 def _from_two_wheels(
@@ -592,5 +582,6 @@ def _refuse_swapped_wheels(
     if gain < -0.3:
         raise InputError(
             f"{recording.source}: the wheels' yaw rate is {gain:.2f} times the frame's, expected "
-            "about 1: left and right wheel are swapped, or the frame's sensor is upside down"
+            "about 1: left and right wheel are swapped, or the frame's sensor is upside down, or "
+            "the straight-line trial was driven backward"
         )

@@ -142,15 +142,20 @@ def _between(first: FloatArray, second: FloatArray) -> float:
     return float(np.arccos(np.clip(abs(first @ second), 0.0, 1.0)))
 
 
-def _exchanged(recording: Recording, *, in_trial: bool) -> Fault:
+def _exchanged(recording: Recording, *, in_trial: bool, backward: bool = False) -> Fault:
     both = "left_wheel, right_wheel"
-    what = (
-        "have each other's names in the trial, by the axles that they spin about; exchange the "
-        "names"
-        if in_trial
-        else "have each other's names: the wheels turn the chair the other way than each of the "
-        "three sensors by itself; exchange the names in all recordings"
-    )
+    other_way = "turn the chair the other way than each of the three sensors by itself"
+    what = f"have each other's names: the wheels {other_way}; exchange the names in all recordings"
+    if in_trial:
+        what = (
+            "have each other's names in the trial, by the axles that they spin about; exchange the "
+            "names"
+        )
+    elif backward:
+        what = (
+            f"{other_way}, and roll backward: the straight-line trial was driven backward, record "
+            "it anew; or, if the chair did go backward here, the two have each other's names"
+        )
     repair = partial(exchanged, first="left_wheel", second="right_wheel") if in_trial else None
     whole = np.ones(len(recording), np.bool_)
     return fault_of(recording, "exchanged", both, whole, what, repair=repair)
@@ -172,7 +177,10 @@ def exchanged_wheels(w: SharedMotion) -> Fault:
     """
     left, right = (w.mount.rotation_imu_to_wheel(side)[2] for side in w.sides)
     alike = float(left @ right) > np.cos(LARGEST_AXLE_RAD)
-    return _exchanged(w.recording, in_trial=alike)
+    # Turned by half a turn about the vertical a chair has its wheels exchanged and goes backward:
+    # which of the two is wrong shows by the way alone, which is mostly forward.
+    way = sum(float(w.rates[f"{side}_wheel"][:, 2].sum()) for side in w.sides)
+    return _exchanged(w.recording, in_trial=alike, backward=way < 0)
 
 
 def other_spins(w: SharedMotion) -> Iterator[Fault]:

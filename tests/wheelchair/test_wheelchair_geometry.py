@@ -111,7 +111,7 @@ def test_geometry_file(tmp_path):
         (WHEELCHAIR_TOML.replace("0.84", '"0.84"'), "track_m = '0.84': expected a number"),
         (WHEELCHAIR_TOML.replace("0.84", "84"), r"\[wheelchair\].*track_m = 84"),
         (WHEELCHAIR_TOML.replace("0.84", "0,84"), "not valid TOML"),
-        (WHEELCHAIR_TOML + "camber_rad = 0.1\n", "camber_deg is unknown"),
+        (WHEELCHAIR_TOML + "camber_rad = 0.1\n", "camber_rad and camber_deg are both"),
         (WHEELCHAIR_TOML.replace("camber_deg", "camber_rad"), r"\[wheelchair\].*camber_rad = 19"),
         ("[scooter]\n", r"no section \[wheelchair\]"),
         ("", "empty"),
