@@ -332,7 +332,7 @@ def tasks(
     from mobility_imu.wheelchair.outcomes import turn_direction
 
     thresholds, series = read_series(velocity, settings, sampling_rate_hz, units)
-    found = _identified(velocity, series, thresholds, edge, settings)
+    found = _identified(velocity, series, thresholds, edge)
     warn(found.warnings)
     table = found.to_frame()
     if direction:
@@ -360,7 +360,6 @@ def _identified(
     series: VelocitySeries,
     thresholds: TaskSettings,
     edge: Edge,
-    settings: Path | None,
 ) -> Tasks:
     """Tasks; an error names the file at fault, and its clock where that may be the cause."""
     from mobility_imu.wheelchair import identify_tasks
@@ -369,9 +368,7 @@ def _identified(
         return identify_tasks(series, thresholds, edge=edge)
     except InputError as error:
         text = str(error) if str(velocity) in str(error) else f"{velocity}: {error}"
-        if settings is not None and str(error).startswith(("segment_s = ", "look_s = ")):
-            text = f"{settings}: {error}"
-        elif thresholds.segment_s * series.sampling_rate_hz < 1:
+        if thresholds.segment_s * series.sampling_rate_hz < 1:
             text += "; are its times in s, and no count of samples?"
         raise InputError(text) from None
 
@@ -422,7 +419,7 @@ def read_series(
         named.settings.frames(found_hz)
     except InputError as error:
         text = f"{settings}: {named.as_typed(error)}"
-        if named.settings.segment_s * found_hz < 1:
+        if TaskSettings().segment_s * found_hz < 1:
             text += f"; has {velocity} its times in s, and no count of samples?"
         raise InputError(text) from None
     return named.settings, series

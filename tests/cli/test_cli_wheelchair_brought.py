@@ -44,7 +44,7 @@ def test_a_segment_that_is_none_is_the_settings_fault(tmp_path, fails, segment_s
 def test_a_window_longer_than_a_trial_names_the_trial(tmp_path, fails):
     fails(
         *velocity(), "--filter", "moving-average", "--filter-window", "999",
-        says=["moving average window = 999: longer than the", "static.csv.gz: moving"],
+        says=["static.csv.gz: --filter-window 999: longer than the"],
     )  # fmt: skip
 
 
