@@ -34,7 +34,12 @@ from mobility_imu.walker.calibration import (
     with_sensor_errors,
 )
 from mobility_imu.walker.fault_checks import faults_of_readings, is_held, steps_are_coarse
-from mobility_imu.walker.follow import LATEST_REST_S, checked_options, navigate_recording
+from mobility_imu.walker.follow import (
+    LATEST_REST_S,
+    as_sentences,
+    checked_options,
+    navigate_recording,
+)
 from mobility_imu.walker.footprint import FOOTPRINT_WORDS
 from mobility_imu.walker.gaps import filled_samples, gaps_in_moves, is_of_a_gap, without_samples
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
@@ -291,9 +296,7 @@ def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
         If an argument is of another kind.
     """
     faults = _checked(faults)
-    if isinstance(warnings, str) or not isinstance(warnings, Iterable):
-        raise InputError(f"warnings: got {shown(warnings)}, expected those of a result")
-    return [text for text in warnings if not any(_says(fault, text) for fault in faults)]
+    return [text for text in as_sentences(warnings) if not any(_says(fault, text) for fault in faults)]
 
 
 def _carried_back(

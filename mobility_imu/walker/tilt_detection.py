@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.runs import runs_of
@@ -66,6 +67,7 @@ def find_tilts(
         If no tilt is found, one goes across a corner, or the order leaves open which they were.
     """
     check_order(order)
+    expect("navigation", navigation, Navigation)
     attitude, time_s = navigation.rotation_imu_to_world(), navigation.time_s
     first = int(np.argmax(navigation.still))
     up = attitude[first, 2]
