@@ -40,6 +40,7 @@ from mobility_imu.walker.rest_checks import (
     moves_between_rests,
     rest_rates,
 )
+from mobility_imu.walker.rounding import unsure_by_rounding
 from mobility_imu.walker.stillness import StillnessSettings, find_stillness
 
 __all__ = ["faults_of_readings", "is_held", "steps_are_coarse"]
@@ -152,10 +153,19 @@ def faults_of_readings(
         return told
     told += turning
     if not turning:
-        told += _rolling_rests(recording, readings, stillness)
+        told += _rolling_rests(recording, _in_time(recording, readings, told), stillness)
     if not told:
         told += _misfits(recording, readings)
     return told
+
+
+def _in_time(recording: Recording, readings: Readings, told: Iterable[Fault]) -> Readings:
+    """Readings without a lag that is told: a late gyroscope turns gravity at rest."""
+    for fault in told:
+        if fault.code == "lag" and fault.repair is not None:
+            rates = fault.repair(recording).gyroscope(FRAME)[-len(readings.time_s) :]
+            return readings._replace(gyr_radps=rates)
+    return readings
 
 
 def is_held(fault: Fault) -> bool:
@@ -225,7 +235,8 @@ def _halves(
             repair=partial(multiplied, sensor=FRAME, half="gyr", factors=fit.signs),
         )  # fmt: skip
         return
-    if abs(fit.lag_s) > max(LEAST_LAG_S, SURE_TIMES * fit.lag_sd_s):
+    lag_by_steps, scale_by_steps = unsure_by_rounding(readings)
+    if abs(fit.lag_s) > max(LEAST_LAG_S + lag_by_steps, SURE_TIMES * fit.lag_sd_s):
         way = "later" if fit.lag_s > 0 else "earlier"
         yield fault_of(
             recording, "lag", label, whole,
@@ -239,7 +250,10 @@ def _halves(
     unsure = abs(_gravity_at_rest(readings) / STANDARD_GRAVITY_MPS2 - 1)
     if unsure <= OFF_GRAVITY_MPS2 / STANDARD_GRAVITY_MPS2:
         unsure = 0.0
-    if abs(off) > LEAST_SCALE + unsure and abs(fit.scale - 1) > SURE_TIMES * fit.scale_sd:
+    if (
+        abs(off) > LEAST_SCALE + unsure + scale_by_steps
+        and abs(fit.scale - 1) > SURE_TIMES * fit.scale_sd
+    ):
         yield fault_of(
             recording, "scale", label, whole,
             f"reads {_scale_words(fit)} as far as tilts show it, and about the vertical, "

@@ -34,6 +34,7 @@ from mobility_imu.walker.calibration import (
     with_sensor_errors,
 )
 from mobility_imu.walker.fault_checks import faults_of_readings, is_held, steps_are_coarse
+from mobility_imu.walker.floor import floor_faults
 from mobility_imu.walker.follow import (
     LATEST_REST_S,
     as_sentences,
@@ -64,6 +65,8 @@ MOST_FILLED = 0.5
 """Part of a recording up to which straight lines are gaps; beyond it all was interpolated. Our
 choice, not swept."""
 TILTS_UNKNOWN = "; how the frame tilts there is not known, and the mount may be wrong"
+BY_RESTS = frozenset({"at odds", "rolls", "offset", "lag", "scale", "reversed", "floor"})
+"""Faults that the readings show from rest to rest, and within them."""
 SAID = (
     (f"{FRAME}_acc is saturated in", "range", f"{FRAME}_acc", ""),
     (f"{FRAME}_gyr is saturated in", "range", f"{FRAME}_gyr", ""),
@@ -145,12 +148,15 @@ def find_faults(
     shown = path if smooth else replace(path_of(recording, smooth=True), warnings=path.warnings)
     found += faults_of_path(recording, shown, mount, found)
     found += coarse_rates(recording, path, mount, found)
+    found += floor_faults(recording, path, found)
     found += _not_closed(recording, path, path_of)
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
         moved = path if changed is recording else path_of(changed)
         return _path_series(moved, path, len(recording))
 
+    if known is not None:
+        found = [_by_given_rests(fault) for fault in found]
     priced = with_costs(found, recording, series)
     return tuple(_carried_back(f, recording, path, path_of) for f in priced if not _negligible(f))
 
@@ -296,7 +302,8 @@ def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
         If an argument is of another kind.
     """
     faults = _checked(faults)
-    return [text for text in as_sentences(warnings) if not any(_says(fault, text) for fault in faults)]
+    texts = as_sentences(warnings)
+    return [text for text in texts if not any(_says(fault, text) for fault in faults)]
 
 
 def _carried_back(
@@ -429,6 +436,14 @@ def _with_readings(recording: Recording, found: list[Fault], more: list[Fault]) 
     if codes & {"lag", "reversed"}:
         found = [fault for fault in found if fault.code != "reversed"]
     return found + more
+
+
+def _by_given_rests(fault: Fault) -> Fault:
+    """Fault that rests show, where these are given: they may be what is wrong."""
+    if fault.code not in BY_RESTS:
+        return fault
+    words = f"; or are {GIVEN_WORDS} wrong there?"
+    return replace(fault, sentence=fault.sentence + words)
 
 
 def _of_tilts(fault: Fault) -> Fault:

@@ -105,6 +105,13 @@ def find_tilts(
         small = [small[0], f"{len(small) - 1} more movements stay that small: is this a walk?"]
     warnings += small
     if not any(usable):
+        most = np.median(attitude[navigation.still, 2], axis=0)
+        off = float(np.arccos(np.clip(most @ up / np.linalg.norm(most), -1, 1)))
+        if off > LEAST_TILT_RAD:
+            warnings = [
+                f"the first rest, at {time_s[first]:.1f} s, is tilted by {np.rad2deg(off):.0f} deg "
+                "against most: does the recording begin in a tilt?"
+            ]
         reasons = f" ({'; '.join(warnings)})" if warnings else ""
         raise InputError(
             "no tilt found: expected rest on all four tips, then tilts of 20 to 45 deg with rest "
