@@ -254,9 +254,7 @@ def calls(strange):
     yield lambda: integrate_strapdown(time, acc, gyr, strange, still=still)
     yield lambda: run_filter(time, acc, gyr, still, strange, p, settings)
     yield lambda: run_filter(time, acc, gyr, still, start, strange, settings)
-    yield lambda: run_filter(
-        time, acc, gyr, still, start._replace(quaternion=strange), p, settings
-    )
+    yield lambda: run_filter(time, acc, gyr, still, start._replace(quaternion=strange), p, settings)
     yield lambda: run_filter(
         time, acc, gyr, still, start._replace(velocity_mps=strange), p, settings
     )
