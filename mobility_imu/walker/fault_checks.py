@@ -228,10 +228,14 @@ def _halves(
     if (fit.signs < 0).any():
         bad = [axis for axis, sign in zip("xyz", fit.signs, strict=True) if sign < 0]
         what = "the gyroscope" if len(bad) == 3 else f"axis {', '.join(bad)} of the gyroscope"
+        other = "the accelerometer has"
+        if len(bad) == 2:  # the same from rest to rest, but the place by it is another
+            (axis,) = set("xyz") - set(bad)
+            other = f"axis {axis} of the accelerometer has, and the path is mirrored as well"
         yield fault_of(
             recording, "reversed", label, whole,
             f"turns the other way than gravity shows from rest to rest: {what} has the wrong sign, "
-            "or the accelerometer has; check the export's axes",
+            f"or {other}; check the export's axes",
             repair=partial(multiplied, sensor=FRAME, half="gyr", factors=fit.signs),
         )  # fmt: skip
         return

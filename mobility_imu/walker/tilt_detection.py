@@ -178,7 +178,8 @@ def _name_tilts(
     if len(candidates) > 1:
         options = " or ".join(", ".join(names) for names in candidates)
         raise InputError(
-            f"the tilts may have gone {options}: state which ones were made, and in which order"
+            f"the tilts may have gone {options}: state which ones were made, and in which "
+            "order (--order; order in Python)"
         )
     if candidates:
         missing = [name for name in order if name not in candidates[0]]

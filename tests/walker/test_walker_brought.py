@@ -228,6 +228,47 @@ def test_tilts_whose_first_rest_is_a_tilt_are_refused_as_such(begin_s):
     assert "before the recording ends" not in str(error.value)
 
 
+# Sensors that are turned on the frame, or mirrored.
+
+
+def remounted(degrees, from_s):
+    """Recording of a sensor that is turned about the frame's vertical at rest."""
+    recording, body = clean().walk.recording, clean().mount.rotation_imu_to_body
+    turn = body.T @ Rotation.from_euler("z", degrees, degrees=True).as_matrix() @ body
+    imu, late = recording.sensor("frame"), (recording.time_s > from_s)[:, None]
+    halves = (np.where(late, half @ turn, half) for half in (imu.acc_mps2, imu.gyr_radps))
+    return Recording(recording.time_s, {"frame": Imu(*halves)}, source="remounted.csv")
+
+
+@pytest.mark.parametrize("degrees", [-30, 90, 180])
+def test_a_sensor_that_is_turned_on_the_way_is_told(degrees):
+    """The path bends, or comes back, from there on; the mean of all steps says another angle."""
+    walk = clean()
+    path = estimate_trajectory(walk.walk.recording, walk.tape, walk.mount)
+    rests = np.flatnonzero(path.stationary & (path.time_s > 25))
+    recording = remounted(degrees, path.time_s[rests[5]])
+    found = find_faults(recording, walk.tape, walk.mount)
+    (turned,) = [fault for fault in found if fault.code == "turned"]
+    assert abs(turned.size) == pytest.approx(abs(degrees), abs=8)
+    assert f"{abs(turned.size):.0f} deg further" in turned.sentence
+    assert abs(turned.first_s - path.time_s[rests[5]]) < 6
+    bent = estimate_trajectory(recording, walk.tape, walk.mount)
+    valid = valid_samples(bent, found)
+    assert valid[bent.time_s < 15].all() and not valid[-1]
+
+
+@pytest.mark.parametrize("axis", [0, 2])
+def test_a_mirrored_accelerometer_may_have_mirrored_the_path(axis):
+    """From rest to rest two axes of the gyroscope read the same; what it costs is not the same."""
+    walk = clean()
+    recording = walk.walk.recording
+    imu, signs = recording.sensor("frame"), np.ones(3)
+    signs[axis] = -1
+    wrong = Recording(recording.time_s, {"frame": Imu(signs * imu.acc_mps2, imu.gyr_radps)})
+    (fault,) = [f for f in find_faults(wrong, walk.tape, walk.mount) if f.code == "reversed"]
+    assert f"or axis {'xyz'[axis]} of the accelerometer has, and the path is mi" in fault.sentence
+
+
 # Arguments of the functions inside.
 
 
