@@ -25,6 +25,7 @@ from mobility_imu.walker.reach import (
     UNKNOWN,
     is_of_half,
     placed,
+    rates_in_time,
     samples_unknown,
     with_reach,
 )
@@ -153,19 +154,13 @@ def faults_of_readings(
         return told
     told += turning
     if not turning:
-        told += _rolling_rests(recording, _in_time(recording, readings, told), stillness)
+        steady = readings._replace(
+            gyr_radps=rates_in_time(recording, told)[-len(readings.time_s) :]
+        )
+        told += _rolling_rests(recording, steady, stillness)
     if not told:
         told += _misfits(recording, readings)
     return told
-
-
-def _in_time(recording: Recording, readings: Readings, told: Iterable[Fault]) -> Readings:
-    """Readings without a lag that is told: a late gyroscope turns gravity at rest."""
-    for fault in told:
-        if fault.code == "lag" and fault.repair is not None:
-            rates = fault.repair(recording).gyroscope(FRAME)[-len(readings.time_s) :]
-            return readings._replace(gyr_radps=rates)
-    return readings
 
 
 def is_held(fault: Fault) -> bool:
@@ -227,15 +222,10 @@ def _halves(
         return
     if (fit.signs < 0).any():
         bad = [axis for axis, sign in zip("xyz", fit.signs, strict=True) if sign < 0]
-        what = "the gyroscope" if len(bad) == 3 else f"axis {', '.join(bad)} of the gyroscope"
-        other = "the accelerometer has"
-        if len(bad) == 2:  # the same from rest to rest, but the place by it is another
-            (axis,) = set("xyz") - set(bad)
-            other = f"axis {axis} of the accelerometer has, and the path is mirrored as well"
         yield fault_of(
             recording, "reversed", label, whole,
-            f"turns the other way than gravity shows from rest to rest: {what} has the wrong sign, "
-            f"or {other}; check the export's axes",
+            f"turns the other way than gravity shows from rest to rest: {_wrong_signs(bad)}; check "
+            "the export's axes",
             repair=partial(multiplied, sensor=FRAME, half="gyr", factors=fit.signs),
         )  # fmt: skip
         return
@@ -264,6 +254,16 @@ def _halves(
             "where nothing shows it, probably as well; calibrate it, or use another sensor",
             size=off, unit="1", repair=partial(_rates_scaled, factor=fit.scale),
         )  # fmt: skip
+
+
+def _wrong_signs(bad: Sequence[str]) -> str:
+    """Which half may have wrong signs; two axes of the gyroscope are one of the accelerometer."""
+    what = "the gyroscope" if len(bad) == 3 else f"axis {', '.join(bad)} of the gyroscope"
+    other = "the accelerometer has"
+    if len(bad) == 2:  # the same from rest to rest, but the place by it is another
+        (axis,) = set("xyz") - set(bad)
+        other = f"axis {axis} of the accelerometer has, and the path is mirrored as well"
+    return f"{what} has the wrong sign, or {other}"
 
 
 def _left(fit: HalvesFit) -> float:

@@ -155,9 +155,7 @@ def find_faults(
         moved = path if changed is recording else path_of(changed)
         return _path_series(moved, path, len(recording))
 
-    if known is not None:
-        found = [_by_given_rests(fault) for fault in found]
-    priced = with_costs(found, recording, series)
+    priced = with_costs(_by_rests(found, given=known is not None), recording, series)
     return tuple(_carried_back(f, recording, path, path_of) for f in priced if not _negligible(f))
 
 
@@ -438,12 +436,15 @@ def _with_readings(recording: Recording, found: list[Fault], more: list[Fault]) 
     return found + more
 
 
-def _by_given_rests(fault: Fault) -> Fault:
-    """Fault that rests show, where these are given: they may be what is wrong."""
-    if fault.code not in BY_RESTS:
-        return fault
+def _by_rests(faults: Iterable[Fault], *, given: bool) -> list[Fault]:
+    """Faults, of which rests that are given may be the cause."""
     words = f"; or are {GIVEN_WORDS} wrong there?"
-    return replace(fault, sentence=fault.sentence + words)
+    return [
+        replace(fault, sentence=fault.sentence + words)
+        if given and fault.code in BY_RESTS
+        else fault
+        for fault in faults
+    ]
 
 
 def _of_tilts(fault: Fault) -> Fault:

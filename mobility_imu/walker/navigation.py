@@ -76,6 +76,10 @@ __all__ = [
     "strapdown_rates",
 ]
 
+FASTEST_REST_MPS = 50.0
+"""Speed at rest, where the filter is told zero, that shows a filter without digits: with the
+defaults it is 1 mm/s, and with readings of no frame some m/s."""
+VELOCITY_OF_ROW = slice(7, 10)
 _PLAIN_S_PER_SAMPLE = 1e-4  # of the readable filter, and a fifth of it for the states alone
 
 
@@ -320,6 +324,12 @@ def run_filter(
     states, variances, nis, dof = _solve(problem, first, first_covariance, smooth, closed_loop)
     if not np.isfinite(states).all():
         raise _without_end(acc, gyr)
+    resting = float(np.abs(states[1:][at_rest, VELOCITY_OF_ROW]).max(initial=0.0))
+    if resting > FASTEST_REST_MPS:
+        raise InputError(
+            f"the frame would move by {resting:.2g} m/s where it is still: the noises of the "
+            "settings lie so many powers of ten apart, or from the readings, that no digit is left"
+        )
     return _at_samples(clock, states, ends, variances, at_rest, nis, dof, settings)
 
 

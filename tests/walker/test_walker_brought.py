@@ -362,3 +362,16 @@ def test_a_rate_that_no_sensor_has_is_refused_at_once(rate_hz):
     _, acc, gyr, _, _ = short()
     with pytest.raises(InputError, match="sampling_rate_hz = "):
         find_stillness(acc, gyr, rate_hz)
+
+
+# Settings whose numbers lie too far apart.
+
+
+@pytest.mark.parametrize("name", ["velocity_noise_mps_sqrthz", "height_noise_m_sqrthz"])
+def test_settings_that_leave_the_filter_no_digits_are_refused(name):
+    """The smoothed path went 1e45 m, or 91 km with a stated 1 km, and passed for a foot's."""
+    walk = clean()
+    with pytest.raises(InputError, match="m/s where it is still: the noises of the settings"):
+        estimate_trajectory(
+            walk.walk.recording, walk.tape, walk.mount, NavigationSettings(**{name: 1e-12})
+        )
