@@ -21,7 +21,7 @@ from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.walker.arc_fit import ArcFit, arm_noise, fit_arc
-from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.follow import as_sentences, navigate_recording
 from mobility_imu.walker.footprint import (
     ACROSS,
     FOOTPRINT_WORDS,
@@ -315,12 +315,15 @@ def calibrate_from_path(
     check_choices(geometry, method, form, order)
     as_number(velocity_tilt_rad, "velocity_tilt_rad")
     expect("path", path, Navigation)
+    warnings = as_sentences(warnings)
     tilts, of_tilts = find_tilts(path, order)
     with_ = _Choice(
         geometry,
         method,
         form,
-        settings_or_default("settings", settings or path.settings, NavigationSettings),
+        settings_or_default(
+            "settings", path.settings if settings is None else settings, NavigationSettings
+        ),
         settings_or_default("stillness", stillness, StillnessSettings),
     )
     notes = [*warnings, *of_tilts]

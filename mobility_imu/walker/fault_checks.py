@@ -25,6 +25,7 @@ from mobility_imu.walker.reach import (
     UNKNOWN,
     is_of_half,
     placed,
+    rates_in_time,
     samples_unknown,
     with_reach,
 )
@@ -40,6 +41,7 @@ from mobility_imu.walker.rest_checks import (
     moves_between_rests,
     rest_rates,
 )
+from mobility_imu.walker.rounding import unsure_by_rounding
 from mobility_imu.walker.stillness import StillnessSettings, find_stillness
 
 __all__ = ["faults_of_readings", "is_held", "steps_are_coarse"]
@@ -152,7 +154,10 @@ def faults_of_readings(
         return told
     told += turning
     if not turning:
-        told += _rolling_rests(recording, readings, stillness)
+        steady = readings._replace(
+            gyr_radps=rates_in_time(recording, told)[-len(readings.time_s) :]
+        )
+        told += _rolling_rests(recording, steady, stillness)
     if not told:
         told += _misfits(recording, readings)
     return told
@@ -217,15 +222,15 @@ def _halves(
         return
     if (fit.signs < 0).any():
         bad = [axis for axis, sign in zip("xyz", fit.signs, strict=True) if sign < 0]
-        what = "the gyroscope" if len(bad) == 3 else f"axis {', '.join(bad)} of the gyroscope"
         yield fault_of(
             recording, "reversed", label, whole,
-            f"turns the other way than gravity shows from rest to rest: {what} has the wrong sign, "
-            "or the accelerometer has; check the export's axes",
+            f"turns the other way than gravity shows from rest to rest: {_wrong_signs(bad)}; check "
+            "the export's axes",
             repair=partial(multiplied, sensor=FRAME, half="gyr", factors=fit.signs),
         )  # fmt: skip
         return
-    if abs(fit.lag_s) > max(LEAST_LAG_S, SURE_TIMES * fit.lag_sd_s):
+    lag_by_steps, scale_by_steps = unsure_by_rounding(readings)
+    if abs(fit.lag_s) > max(LEAST_LAG_S + lag_by_steps, SURE_TIMES * fit.lag_sd_s):
         way = "later" if fit.lag_s > 0 else "earlier"
         yield fault_of(
             recording, "lag", label, whole,
@@ -239,13 +244,26 @@ def _halves(
     unsure = abs(_gravity_at_rest(readings) / STANDARD_GRAVITY_MPS2 - 1)
     if unsure <= OFF_GRAVITY_MPS2 / STANDARD_GRAVITY_MPS2:
         unsure = 0.0
-    if abs(off) > LEAST_SCALE + unsure and abs(fit.scale - 1) > SURE_TIMES * fit.scale_sd:
+    if (
+        abs(off) > LEAST_SCALE + unsure + scale_by_steps
+        and abs(fit.scale - 1) > SURE_TIMES * fit.scale_sd
+    ):
         yield fault_of(
             recording, "scale", label, whole,
             f"reads {_scale_words(fit)} as far as tilts show it, and about the vertical, "
             "where nothing shows it, probably as well; calibrate it, or use another sensor",
             size=off, unit="1", repair=partial(_rates_scaled, factor=fit.scale),
         )  # fmt: skip
+
+
+def _wrong_signs(bad: Sequence[str]) -> str:
+    """Which half may have wrong signs; two axes of the gyroscope are one of the accelerometer."""
+    what = "the gyroscope" if len(bad) == 3 else f"axis {', '.join(bad)} of the gyroscope"
+    other = "the accelerometer has"
+    if len(bad) == 2:  # the same from rest to rest, but the place by it is another
+        (axis,) = set("xyz") - set(bad)
+        other = f"axis {axis} of the accelerometer has, and the path is mirrored as well"
+    return f"{what} has the wrong sign, or {other}"
 
 
 def _left(fit: HalvesFit) -> float:

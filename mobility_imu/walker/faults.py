@@ -34,7 +34,13 @@ from mobility_imu.walker.calibration import (
     with_sensor_errors,
 )
 from mobility_imu.walker.fault_checks import faults_of_readings, is_held, steps_are_coarse
-from mobility_imu.walker.follow import LATEST_REST_S, checked_options, navigate_recording
+from mobility_imu.walker.floor import floor_faults
+from mobility_imu.walker.follow import (
+    LATEST_REST_S,
+    as_sentences,
+    checked_options,
+    navigate_recording,
+)
 from mobility_imu.walker.footprint import FOOTPRINT_WORDS
 from mobility_imu.walker.gaps import filled_samples, gaps_in_moves, is_of_a_gap, without_samples
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
@@ -59,6 +65,8 @@ MOST_FILLED = 0.5
 """Part of a recording up to which straight lines are gaps; beyond it all was interpolated. Our
 choice, not swept."""
 TILTS_UNKNOWN = "; how the frame tilts there is not known, and the mount may be wrong"
+BY_RESTS = frozenset({"at odds", "rolls", "offset", "lag", "scale", "reversed", "floor"})
+"""Faults that the readings show from rest to rest, and within them."""
 SAID = (
     (f"{FRAME}_acc is saturated in", "range", f"{FRAME}_acc", ""),
     (f"{FRAME}_gyr is saturated in", "range", f"{FRAME}_gyr", ""),
@@ -140,13 +148,14 @@ def find_faults(
     shown = path if smooth else replace(path_of(recording, smooth=True), warnings=path.warnings)
     found += faults_of_path(recording, shown, mount, found)
     found += coarse_rates(recording, path, mount, found)
+    found += floor_faults(recording, path, found)
     found += _not_closed(recording, path, path_of)
 
     def series(changed: Recording) -> dict[tuple[str, str], FloatArray]:
         moved = path if changed is recording else path_of(changed)
         return _path_series(moved, path, len(recording))
 
-    priced = with_costs(found, recording, series)
+    priced = with_costs(_by_rests(found, given=known is not None), recording, series)
     return tuple(_carried_back(f, recording, path, path_of) for f in priced if not _negligible(f))
 
 
@@ -291,9 +300,8 @@ def not_told(warnings: Iterable[str], faults: Iterable[Fault]) -> list[str]:
         If an argument is of another kind.
     """
     faults = _checked(faults)
-    if isinstance(warnings, str) or not isinstance(warnings, Iterable):
-        raise InputError(f"warnings: got {shown(warnings)}, expected those of a result")
-    return [text for text in warnings if not any(_says(fault, text) for fault in faults)]
+    texts = as_sentences(warnings)
+    return [text for text in texts if not any(_says(fault, text) for fault in faults)]
 
 
 def _carried_back(
@@ -426,6 +434,17 @@ def _with_readings(recording: Recording, found: list[Fault], more: list[Fault]) 
     if codes & {"lag", "reversed"}:
         found = [fault for fault in found if fault.code != "reversed"]
     return found + more
+
+
+def _by_rests(faults: Iterable[Fault], *, given: bool) -> list[Fault]:
+    """Faults, of which rests that are given may be the cause."""
+    words = f"; or are {GIVEN_WORDS} wrong there?"
+    return [
+        replace(fault, sentence=fault.sentence + words)
+        if given and fault.code in BY_RESTS
+        else fault
+        for fault in faults
+    ]
 
 
 def _of_tilts(fault: Fault) -> Fault:

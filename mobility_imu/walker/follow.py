@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_flags, one_of
+from mobility_imu.frames import FloatArray, as_flags, one_of, shown
 from mobility_imu.offsets import rest_offsets
 from mobility_imu.quality import frozen_samples, saturated_samples
 from mobility_imu.recording import Recording
@@ -23,7 +24,7 @@ from mobility_imu.walker.navigation import (
 )
 from mobility_imu.walker.stillness import StillnessSettings, find_stillness
 
-__all__ = ["checked_options", "navigate_recording"]
+__all__ = ["as_sentences", "checked_options", "navigate_recording"]
 
 LATEST_REST_S = 5.0
 """The first rest has to begin within this time."""
@@ -126,6 +127,29 @@ def navigate_recording(
     source = recording.source
     of_rests = [f"{source}: {shifted}"] if shifted else _inconsistent_rests(path, source)
     return path, (*warnings, *path.warnings, *of_rests)
+
+
+def as_sentences(warnings: Iterable[str]) -> tuple[str, ...]:
+    """Check that warnings are sentences, as results carry them.
+
+    Parameters
+    ----------
+    warnings : of a result
+
+    Returns
+    -------
+    tuple of str
+
+    Raises
+    ------
+    InputError
+        If they are something else, such as one text.
+    """
+    several = isinstance(warnings, Iterable) and not isinstance(warnings, str)
+    sentences = tuple(warnings) if several else ()
+    if not several or not all(isinstance(text, str) for text in sentences):
+        raise InputError(f"warnings: got {shown(warnings)}, expected those of a result")
+    return sentences
 
 
 def _first_rest(recording: Recording, still: NDArray[np.bool_]) -> tuple[int, float]:

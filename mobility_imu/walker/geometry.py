@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from mobility_imu.errors import InputError
 from mobility_imu.files import write_text
-from mobility_imu.frames import FloatArray, as_number, one_of
+from mobility_imu.frames import FloatArray, as_floats, as_number, one_of, shown
 from mobility_imu.readers.geometry import read_section
 
 __all__ = [
@@ -175,7 +175,7 @@ def rotation_world_to_imu(
     [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
     """
     one_of("form", form, ("corrected", "printed"))
-    q = np.asarray(quaternion, float)
+    q = as_floats(quaternion, "quaternion")
     if q.shape[-1:] != (4,):
         raise InputError(f"quaternion: expected four components, got shape {q.shape}")
     q4, q1, q2, q3 = np.moveaxis(q, -1, 0)
@@ -205,7 +205,8 @@ def rotation_body_to_world(forward: Sequence[float] | FloatArray) -> FloatArray:
     -------
     (3, 3) array with the body's axes as columns
     """
-    x_axis, up = np.asarray(forward, float), np.array([0.0, 0.0, 1.0])
-    if x_axis.shape != (3,) or abs(x_axis @ x_axis - 1) > 1e-9 or abs(x_axis[2]) > 1e-9:
-        raise InputError(f"forward = {x_axis.tolist()}: expected a horizontal unit vector")
+    x_axis, up = as_floats(forward, "forward"), np.array([0.0, 0.0, 1.0])
+    unit = x_axis.shape == (3,) and bool((np.abs(x_axis) < 2).all())
+    if not unit or abs(x_axis @ x_axis - 1) > 1e-9 or abs(x_axis[2]) > 1e-9:
+        raise InputError(f"forward = {shown(forward)}: expected a horizontal unit vector")
     return np.column_stack([x_axis, np.cross(up, x_axis), up])

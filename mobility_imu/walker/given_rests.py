@@ -37,6 +37,11 @@ def shifted_rests(
     if size == 0.0:
         return None
     alike = signal.correlate(other, one, mode="full", method="fft") / size
+    if float(one @ other) < -ALIKE * size:
+        return (
+            f"{GIVEN_WORDS} lie where the readings show moves: are 0 and 1 exchanged? The path is "
+            "found with them as they are"
+        )
     most = min(round(LONGEST_SHIFT_S * sampling_rate_hz), count - 1)
     near = alike[count - 1 - most : count + most]
     shift_s = (int(np.argmax(near)) - most) / sampling_rate_hz

@@ -27,8 +27,10 @@ from mobility_imu.frames import (
     FloatArray,
     as_clock,
     as_flags,
+    as_floats,
     as_vectors,
     one_of,
+    shown,
 )
 from mobility_imu.results import Result
 from mobility_imu.rotations import cross_matrix
@@ -50,6 +52,7 @@ from mobility_imu.walker.error_state import (
 from mobility_imu.walker.geometry import rotation_world_to_imu
 from mobility_imu.walker.navigation_settings import ClosedLoop, NavigationSettings
 from mobility_imu.walker.saturation import bridged_rates
+from mobility_imu.walker.stillness import LARGEST_READING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,6 +76,10 @@ __all__ = [
     "strapdown_rates",
 ]
 
+FASTEST_REST_MPS = 50.0
+"""Speed at rest, where the filter is told zero, that shows a filter without digits: with the
+defaults it is 1 mm/s, and with readings of no frame some m/s."""
+VELOCITY_OF_ROW = slice(7, 10)
 _PLAIN_S_PER_SAMPLE = 1e-4  # of the readable filter, and a fifth of it for the states alone
 
 
@@ -294,7 +301,8 @@ def run_filter(
     nowhere = np.zeros(count, np.bool_)
     saturated = as_flags(nowhere if cut is None else cut, "cut", length=count)
     rate_saturated = as_flags(nowhere if cut_gyr is None else cut_gyr, "cut_gyr", length=count)
-    seen = np.zeros((1, 4)) if observed is None else np.array(observed, float, order="C")
+    given = np.zeros((1, 4)) if observed is None else as_floats(observed, "observed")
+    seen = np.array(given, order="C")
     if observed is not None and (seen.shape != (count, 4) or not np.isfinite(seen).all()):
         raise InputError(f"observed {seen.shape}: expected ({count}, 4) finite numbers")
     expect("settings", settings, NavigationSettings)
@@ -315,10 +323,12 @@ def run_filter(
     )  # fmt: skip
     states, variances, nis, dof = _solve(problem, first, first_covariance, smooth, closed_loop)
     if not np.isfinite(states).all():
-        force, rate = np.abs(acc).max(), np.abs(gyr).max()
+        raise _without_end(acc, gyr)
+    resting = float(np.abs(states[1:][at_rest, VELOCITY_OF_ROW]).max(initial=0.0))
+    if resting > FASTEST_REST_MPS:
         raise InputError(
-            f"the path has no finite end: the largest readings are {force:.3g} m/s² and "
-            f"{rate:.3g} rad/s, expected those of an IMU on a walking frame"
+            f"the frame would move by {resting:.2g} m/s where it is still: the noises of the "
+            "settings lie so many powers of ten apart, or from the readings, that no digit is left"
         )
     return _at_samples(clock, states, ends, variances, at_rest, nis, dof, settings)
 
@@ -390,23 +400,39 @@ def _inputs(
     clock = np.array(as_clock(time_s))
     acc = np.array(as_vectors(acc_mps2, "acc_mps2", length=len(clock), finite=True), order="C")
     gyr = np.array(as_vectors(gyr_radps, "gyr_radps", length=len(clock), finite=True), order="C")
+    if max(np.abs(acc).max(), np.abs(gyr).max()) > LARGEST_READING:
+        raise _without_end(acc, gyr)
     none = np.zeros(len(clock), np.bool_)
     return clock, acc, gyr, as_flags(none if still is None else still, "still", length=len(clock))
 
 
+def _without_end(acc: FloatArray, gyr: FloatArray) -> InputError:
+    """Error of readings that no path can be computed from."""
+    force, rate = np.abs(acc).max(), np.abs(gyr).max()
+    return InputError(
+        f"the path has no finite end: the largest readings are {force:.3g} m/s² and "
+        f"{rate:.3g} rad/s, expected those of an IMU on a walking frame"
+    )
+
+
 def _checked_start(start: NavigationState) -> NavigationState:
     """State as float arrays, its quaternion of length 1."""
-    q = np.array(start.quaternion, float)
+    expect("start", start, NavigationState)
+    q = as_floats(start.quaternion, "start.quaternion")
+    size = np.abs(q).max() if q.shape == (4,) else np.nan
+    if not (np.isfinite(size) and size > 0):
+        raise InputError(
+            f"start.quaternion = {shown(start.quaternion)}: expected four numbers, not all zero"
+        )
+    q = q / size  # the squares of huge numbers are infinite
     length = np.linalg.norm(q)
-    if q.shape != (4,) or not (np.isfinite(length) and length > 0):
-        raise InputError(f"start.quaternion = {q.tolist()}: expected four numbers, not all zero")
-    vectors = (as_vectors(start[k], NavigationState._fields[k], ndim=1, finite=True)
+    vectors = (as_vectors(start[k], f"start.{NavigationState._fields[k]}", ndim=1, finite=True)
                for k in range(1, 5))  # fmt: skip
     return NavigationState(q / length, *(np.array(vector) for vector in vectors))
 
 
 def _checked_covariance(covariance: ArrayLike) -> FloatArray:
-    p = np.array(covariance, float)
+    p = np.array(as_floats(covariance, "covariance"))
     if p.shape != (15, 15) or not np.isfinite(p).all():
         raise InputError(f"covariance {p.shape}: expected (15, 15) finite numbers")
     if (np.diagonal(p) < 0).any() or not np.allclose(p, p.T, rtol=1e-6, atol=1e-12 * p.max()):

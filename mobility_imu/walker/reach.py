@@ -27,6 +27,7 @@ __all__ = [
     "UNKNOWN",
     "is_of_half",
     "placed",
+    "rates_in_time",
     "samples_unknown",
     "with_reach",
 ]
@@ -46,6 +47,24 @@ MOST_CAPPED, MOST_CUT = 0.05, 0.1
 """Parts of the cut samples whose curve ends at twice the range, and of all samples that are cut, up
 to which what was cut off counts as known. Our choice, not swept."""
 UNKNOWN = "; what the path does there is not known, nor its place and heading from there on"
+
+
+def rates_in_time(recording: Recording, told: Iterable[Fault]) -> FloatArray:
+    """Rates without a lag that is told: a late gyroscope turns gravity at rest.
+
+    Parameters
+    ----------
+    recording : Recording with a sensor "frame"
+    told : Fault
+
+    Returns
+    -------
+    (n, 3) array, rad/s
+    """
+    for fault in told:
+        if fault.code == "lag" and fault.repair is not None:
+            return fault.repair(recording).gyroscope(FRAME)
+    return recording.gyroscope(FRAME)
 
 
 def with_reach(fault: Fault, recording: Recording, stillness: StillnessSettings) -> Fault:

@@ -19,10 +19,13 @@ from scipy import ndimage
 from mobility_imu.arguments import check_limits, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_vectors, check_positive
+from mobility_imu.recording import HIGHEST_RATE_HZ
 
 __all__ = ["StillnessSettings", "find_stillness", "stillness_signals"]
 
 
+LARGEST_READING = 1e100
+"""Readings beyond cannot be squared and summed."""
 LONGEST_S = 60.0
 """No mean or margin is longer; nobody stands for a minute between two steps."""
 
@@ -89,8 +92,15 @@ def stillness_signals(
     acc = as_vectors(acc_mps2, "acc_mps2", ndim=2, finite=True)
     gyr = as_vectors(gyr_radps, "gyr_radps", length=len(acc), finite=True)
     rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+    if rate_hz > HIGHEST_RATE_HZ:
+        raise InputError(f"sampling_rate_hz = {rate_hz:g}: expected up to {HIGHEST_RATE_HZ:g}")
     if not len(acc):
         raise InputError("acc_mps2: no samples")
+    for name, values in (("acc_mps2", acc), ("gyr_radps", gyr)):
+        if np.abs(values).max() > LARGEST_READING:
+            raise InputError(
+                f"{name}: reaches {np.abs(values).max():.3g}, expected readings of an IMU"
+            )
 
     def mean(values: FloatArray, seconds: float) -> FloatArray:
         count = 2 * int(seconds * rate_hz / 2) + 1

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.runs import runs_of
@@ -66,6 +67,7 @@ def find_tilts(
         If no tilt is found, one goes across a corner, or the order leaves open which they were.
     """
     check_order(order)
+    expect("navigation", navigation, Navigation)
     attitude, time_s = navigation.rotation_imu_to_world(), navigation.time_s
     first = int(np.argmax(navigation.still))
     up = attitude[first, 2]
@@ -103,6 +105,13 @@ def find_tilts(
         small = [small[0], f"{len(small) - 1} more movements stay that small: is this a walk?"]
     warnings += small
     if not any(usable):
+        most = np.median(attitude[navigation.still, 2], axis=0)
+        off = float(np.arccos(np.clip(most @ up / np.linalg.norm(most), -1, 1)))
+        if off > LEAST_TILT_RAD:
+            warnings = [
+                f"the first rest, at {time_s[first]:.1f} s, is tilted by {np.rad2deg(off):.0f} deg "
+                "against most: does the recording begin in a tilt?"
+            ]
         reasons = f" ({'; '.join(warnings)})" if warnings else ""
         raise InputError(
             "no tilt found: expected rest on all four tips, then tilts of 20 to 45 deg with rest "
@@ -169,7 +178,8 @@ def _name_tilts(
     if len(candidates) > 1:
         options = " or ".join(", ".join(names) for names in candidates)
         raise InputError(
-            f"the tilts may have gone {options}: state which ones were made, and in which order"
+            f"the tilts may have gone {options}: state which ones were made, and in which "
+            "order (--order; order in Python)"
         )
     if candidates:
         missing = [name for name in order if name not in candidates[0]]

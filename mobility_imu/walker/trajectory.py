@@ -21,7 +21,7 @@ from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
-from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.follow import as_sentences, navigate_recording
 from mobility_imu.walker.geometry import WalkerGeometry, rotation_world_to_imu
 from mobility_imu.walker.mount import WalkerMount
 from mobility_imu.walker.navigation import ClosedLoop, Navigation, NavigationSettings
@@ -145,10 +145,15 @@ def body_position(
     -------
     (n, 3) array, m, of the body's origin, world; (n, 3, 3) array, body to world
     """
-    to_imu = rotation_world_to_imu(quaternion)
+    expect("mount", mount, WalkerMount)
+    to_imu, place = rotation_world_to_imu(quaternion), as_vectors(position_m, "position_m")
+    if place.shape[:-1] != to_imu.shape[:-2]:
+        raise InputError(
+            f"position_m {place.shape} and quaternion {np.shape(quaternion)}: expected one "
+            "position for each quaternion"
+        )
     body_to_world = np.swapaxes(mount.rotation_imu_to_body @ to_imu, -1, -2)
-    place = as_vectors(position_m, "position_m") - body_to_world @ mount.translation_body_m
-    return place, body_to_world
+    return place - body_to_world @ mount.translation_body_m, body_to_world
 
 
 def walking_displacement(
@@ -422,9 +427,11 @@ def trajectory_from_path(
     -------
     Trajectory
     """
+    expect("path", path, Navigation)
+    notes = list(as_sentences(warnings))
+    expect("closed_loop", closed_loop, ClosedLoop, none=True)
     place, body_to_world = body_position(path.position_m, path.quaternion, mount)
     first = int(np.argmax(path.still))
-    notes = list(warnings)
     settings = settings_or_default("settings", settings, NavigationSettings)
     forward = body_to_world[first, :2, 0]
     east, north = forward / np.linalg.norm(forward)
