@@ -92,11 +92,14 @@ def main() -> None:
 
 def _run() -> tuple[int, str]:
     """Run the application; returns the exit code and, unless that is 0, the message."""
-    # As a path it would be the current folder; an option's value is checked by the option.
-    empty = [before for before, here in pairwise(sys.argv) if not here]
     valued = _options_with_values()
-    if not valued.keys() >= set(empty):
-        return AT_FAULT, "an argument is empty; the current folder is '.'"
+    for before, here in pairwise(sys.argv):
+        name, is_one, value = here.partition("=")
+        if not here:
+            name = before if before in valued else "an argument"
+        if not here or (is_one and not value and name in valued):
+            # As a path it would be the current folder.
+            return AT_FAULT, f"{name} is empty; the current folder is '.'"
     warn(
         f"{name} is given {times} times; the last one counts"
         for name, times in Counter(_given(sys.argv[1:], valued)).items()

@@ -7,19 +7,46 @@ from typing import Annotated
 
 import typer
 
+OTHER_FORMATS = (
+    *(".xlsx", ".xls", ".ods", ".parquet", ".feather", ".mat", ".npy", ".npz", ".pkl", ".h5"),
+    *(".hdf5", ".zip", ".bz2", ".xz"),
+)
+"""Endings of tables that are no CSV."""
 
-def _folder(name: str) -> Path:
-    """Path of a folder; an empty name, such as an unset variable's, is not the current folder."""
-    if not name:
-        raise typer.BadParameter("the name is empty; the current folder is '.'")
-    return Path(name)
+
+def table_file(name: str) -> Path:
+    """Path of a table to write, which is a CSV.
+
+    Parameters
+    ----------
+    name : as typed
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    BadParameter
+        If the name says that it is another kind of file.
+    """
+    path = Path(name)
+    if path.suffix.lower() in OTHER_FORMATS:
+        raise typer.BadParameter(
+            f"tables are written as CSV, and {path.name} would be no {path.suffix[1:]} file; "
+            "expected a name that ends in .csv or .csv.gz"
+        )
+    return path
 
 
 Output = Annotated[Path, typer.Option("--output", "-o", help="File to write.")]
-Folder = Annotated[
+Table = Annotated[
     Path,
-    typer.Option("--output", "-o", help="Folder to write into.", parser=_folder, metavar="PATH"),
+    typer.Option(
+        "--output", "-o", help="Table to write, as CSV.", parser=table_file, metavar="PATH"
+    ),
 ]
+Folder = Annotated[Path, typer.Option("--output", "-o", help="Folder to write into.")]
 Rate = Annotated[
     float | None,
     typer.Option(

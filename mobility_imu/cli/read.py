@@ -9,7 +9,7 @@ import typer
 
 from mobility_imu.cli.inputs import check_reading
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Quiet, Rate
+from mobility_imu.cli.options import FillGaps, Quiet, Rate, table_file
 from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
@@ -27,7 +27,14 @@ def read(
         ),
     ],
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Write the recording as canonical CSV.")
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Write the recording as canonical CSV.",
+            parser=table_file,
+            metavar="PATH",
+        ),
     ] = None,
     map_path: Annotated[
         Path | None,

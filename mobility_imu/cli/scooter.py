@@ -10,7 +10,16 @@ import typer
 
 from mobility_imu.cli.inputs import as_typed, in_words, naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
+from mobility_imu.cli.options import (
+    FillGaps,
+    Output,
+    Quiet,
+    Rate,
+    Strict,
+    Table,
+    sub_app,
+    table_file,
+)
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -64,7 +73,7 @@ def angles(
     geometry: Annotated[
         Path, typer.Option(help="TOML with [scooter]; with [scooter.mount], that is applied.")
     ],
-    output: Output,
+    output: Table,
     single_imu: Annotated[
         bool, typer.Option("--single-imu", help="Use the lever's IMU alone (level ground).")
     ] = False,
@@ -264,7 +273,14 @@ def check(
         bool, typer.Option("--kept-on", help="IMUs were not switched off since the calibration.")
     ] = False,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Also write the table as CSV.")
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Also write the table as CSV.",
+            parser=table_file,
+            metavar="PATH",
+        ),
     ] = None,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,

@@ -10,7 +10,17 @@ import typer
 
 from mobility_imu.cli.inputs import as_typed, naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Smooth, Strict, sub_app
+from mobility_imu.cli.options import (
+    FillGaps,
+    Output,
+    Quiet,
+    Rate,
+    Smooth,
+    Strict,
+    Table,
+    sub_app,
+    table_file,
+)
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -113,9 +123,14 @@ def calibrate(
 def trajectory(
     walk: Annotated[Path, typer.Argument(help="Recording of a walk with sensor 'frame'.")],
     geometry: Annotated[Path, typer.Option(help="TOML with a section [walker.mount].")],
-    output: Output,
+    output: Table,
     steps: Annotated[
-        Path | None, typer.Option(help="Also write a table of the steps to this CSV file.")
+        Path | None,
+        typer.Option(
+            help="Also write a table of the steps to this CSV file.",
+            parser=table_file,
+            metavar="PATH",
+        ),
     ] = None,
     rests: Annotated[
         Path | None,

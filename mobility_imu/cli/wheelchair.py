@@ -10,7 +10,7 @@ import typer
 
 from mobility_imu.cli.inputs import as_typed, check_reading, naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Output, Quiet, Rate, Strict, sub_app
+from mobility_imu.cli.options import FillGaps, Quiet, Rate, Strict, Table, sub_app, table_file
 from mobility_imu.errors import InputError, needs
 from mobility_imu.files import Outputs, csv_bytes, figure_bytes
 
@@ -64,7 +64,7 @@ def velocity(
     static: Static,
     straight: Straight,
     geometry: Geometry,
-    output: Output,
+    output: Table,
     camber: Annotated[
         Camber, typer.Option(help="Camber term: with the turn's sign, or eq. 1.16 as printed.")
     ] = "sign-safe",
@@ -295,7 +295,7 @@ def check_text(found: GeometryCheck, told: Collection[str] = ()) -> str:
 @app.command("tasks")
 def tasks(
     velocity: Annotated[Path, typer.Argument(help="CSV with a linear and an angular velocity.")],
-    output: Output,
+    output: Table,
     settings: Annotated[
         Path | None, typer.Option(help="JSON of thresholds; WheelMove-ID's files serve.")
     ] = None,
@@ -306,7 +306,12 @@ def tasks(
         Path | None, typer.Option(help="Also draw the chronogram (.png, .svg or .pdf).")
     ] = None,
     events: Annotated[
-        Path | None, typer.Option(help="Also write one row per task: onset, end, distance, angle.")
+        Path | None,
+        typer.Option(
+            help="Also write one row per task, as CSV: onset, end, distance, angle.",
+            parser=table_file,
+            metavar="PATH",
+        ),
     ] = None,
     direction: Annotated[
         bool, typer.Option("--direction", help="Add a column with the direction of rotations.")
