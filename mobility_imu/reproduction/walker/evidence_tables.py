@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.frames import FloatArray
-from mobility_imu.reproduction.findings import Evidence, quoted
+from mobility_imu.reproduction.findings import Evidence, Relation, quoted
 from mobility_imu.reproduction.walker.tables import (
     POSES,
     PRINT_DEFECT,
@@ -122,17 +122,22 @@ def difference_of_tables_3_and_4() -> Evidences:
     same_heading = np.linalg.norm(
         walking_displacement(np.zeros(3), np.zeros(3), np.eye(3), np.eye(3), [0.1, 0.1, 0.0])
     )
+    expected: tuple[tuple[str, float, Relation], ...] = (
+        ("(27), a round that ends with its first heading", float(same_heading), "apart"),
+        ("lever arm subtracted at one end only", 1.0, "together"),
+    )
     ratios = tuple(
         Evidence(
             what="difference of the two closing errors, divided by the length of T1 − T2, "
             f"horizontal: {name} of thirty rounds",
-            first_from="(27), a round that ends with its first heading",
-            first=float(same_heading),
+            first_from=source,
+            first=first,
             second_from="Tables 1, 3 and 4",
             second=float(value),
-            truth=1.0,
             tolerance=0.007,
+            relation=relation,
         )
+        for source, first, relation in expected
         for name, value in (("smallest", ratio.min()), ("largest", ratio.max()))
     )
     arms = [
