@@ -249,6 +249,14 @@ def _is_explained(wrong: PoseLength, of: Sequence[tuple[Recording, Fault]]) -> b
     return False
 
 
+AlsoTable = Annotated[
+    Path | None,
+    typer.Option(
+        "--output", "-o", help="Also write the table as CSV.", parser=table_file, metavar="PATH"
+    ),
+]
+
+
 @app.command("check")
 def check(
     parked: Annotated[
@@ -272,16 +280,7 @@ def check(
     kept_on: Annotated[
         bool, typer.Option("--kept-on", help="IMUs were not switched off since the calibration.")
     ] = False,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="Also write the table as CSV.",
-            parser=table_file,
-            metavar="PATH",
-        ),
-    ] = None,
+    output: AlsoTable = None,
     sampling_rate_hz: Rate = None,
     strict: Strict = False,
     fill_gaps_s: FillGaps = 0.0,

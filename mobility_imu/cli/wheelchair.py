@@ -292,6 +292,16 @@ def check_text(found: GeometryCheck, told: Collection[str] = ()) -> str:
     return "\n".join(lines)
 
 
+Events = Annotated[
+    Path | None,
+    typer.Option(
+        help="Also write one row per task, as CSV: onset, end, distance, angle.",
+        parser=table_file,
+        metavar="PATH",
+    ),
+]
+
+
 @app.command("tasks")
 def tasks(
     velocity: Annotated[Path, typer.Argument(help="CSV with a linear and an angular velocity.")],
@@ -305,14 +315,7 @@ def tasks(
     figure: Annotated[
         Path | None, typer.Option(help="Also draw the chronogram (.png, .svg or .pdf).")
     ] = None,
-    events: Annotated[
-        Path | None,
-        typer.Option(
-            help="Also write one row per task, as CSV: onset, end, distance, angle.",
-            parser=table_file,
-            metavar="PATH",
-        ),
-    ] = None,
+    events: Events = None,
     direction: Annotated[
         bool, typer.Option("--direction", help="Add a column with the direction of rotations.")
     ] = False,
