@@ -468,8 +468,8 @@ def _rolled(design: FloatArray, apart: FloatArray) -> float:
 
     The design has yaw rate, speed and ones.
     """
-    turn, speed = design[:, [0, 2]], design[:, 1]
-    left = speed - turn @ np.linalg.lstsq(turn, speed, rcond=None)[0]
+    yaw, speed = design[:, 0], design[:, 1]
+    left = speed - (yaw @ speed) / (yaw @ yaw) * yaw
     return float(np.abs(left).sum() / np.maximum(np.abs(speed), np.abs(apart) / 2).sum())
 
 

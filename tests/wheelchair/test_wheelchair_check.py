@@ -4,6 +4,8 @@ Errors over their standard deviations have an rms of 1. The seeds were fixed bef
 The bounds hold what chance allows and fail a standard deviation that is wrong by a factor of two.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from chairs import BOTH_WAYS, CHAIRS, calibrated, trials
@@ -14,7 +16,13 @@ from mobility_imu.errors import InputError
 from mobility_imu.faults import with_readings
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation.sensor import MTI_1, REAL
-from mobility_imu.simulation.wheelchair import LIKE_SAMPLE, Leg, random_court
+from mobility_imu.simulation.wheelchair import (
+    LIKE_SAMPLE,
+    Leg,
+    random_court,
+    random_mounting,
+    simulate_court,
+)
 from mobility_imu.wheelchair import SAMPLE_CHAIR, calibrate_mount, check_geometry
 from mobility_imu.wheelchair.check import (
     GYROSCOPE_AXIS_SD_RAD,
@@ -412,3 +420,19 @@ def test_what_a_drive_does_not_show_is_printed_as_not_found():
         for name in lines:
             (line,) = [one for one in text.splitlines() if one.startswith(name)]
             assert line.endswith(" not found")
+
+
+def test_a_drive_at_nearly_one_speed_shows_the_track():
+    """Straight at 0.6 m/s and around at 0.7 m/s: no turn on the spot, so the radii are judged."""
+    chair = replace(SAMPLE_CHAIR, camber_rad=0.0)
+    around = (Leg(1, 6.0), Leg(2, 4.0, 0.6), Leg(6, 30.0, 0.7, 35.0), Leg(2, 4.0, 0.6), Leg(1, 2.0))
+    line = (Leg(1, 6.0), Leg(2, 20.0, 1.0), Leg(1, 4.0))
+    straight, turns = (
+        simulate_court(legs, chair, random_mounting(3), seed=6 + k, unit_seed=3, model=REAL)
+        for k, legs in enumerate((line, around))
+    )
+    trial = straight.recording
+    found = calibrate_mount(trial.trim(0.0, 5.5), trial)
+    check = check_geometry(turns.recording, chair, found.mount, offsets=found.offsets)
+    assert np.isfinite(check.radius_ratio)
+    assert abs(check.track_m - chair.track_m) < 2 * check.track_sd_m < 0.02
