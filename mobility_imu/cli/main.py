@@ -14,7 +14,7 @@ from contextlib import suppress
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args, get_type_hints
 
 import typer
 
@@ -93,13 +93,13 @@ def main() -> None:
 def _run() -> tuple[int, str]:
     """Run the application; returns the exit code and, unless that is 0, the message."""
     valued = _options_with_values()
+    # As a path an empty value would be the current folder; others are checked by their options.
     for before, here in pairwise(sys.argv):
-        name, is_one, value = here.partition("=")
-        if not here:
-            name = before if before in valued else "an argument"
-        if not here or (is_one and not value and name in valued):
-            # As a path it would be the current folder.
-            return AT_FAULT, f"{name} is empty; the current folder is '.'"
+        name = before if not here else here[:-1] if here.endswith("=") else ""
+        if name in valued and _takes_path(name):
+            return AT_FAULT, f"{valued[name]}: the name is empty; the current folder is '.'"
+        if name not in valued and not here:
+            return AT_FAULT, "an argument is empty; the current folder is '.'"
     warn(
         f"{name} is given {times} times; the last one counts"
         for name, times in Counter(_given(sys.argv[1:], valued)).items()
@@ -141,17 +141,34 @@ def _command() -> Any:
     return typer.main.get_command(app)
 
 
-def _options_with_values() -> dict[str, str]:
-    """Names of the options, of all commands, behind which a value stands, with the longest name."""
-    names: dict[str, str] = {}
+def _commands() -> Iterator[Any]:
+    """All commands, and groups of them."""
     commands = [_command()]
     while commands:
         command = commands.pop()
         commands += getattr(command, "commands", {}).values()
+        yield command
+
+
+def _options_with_values() -> dict[str, str]:
+    """Names of the options, of all commands, behind which a value stands, with the longest name."""
+    names: dict[str, str] = {}
+    for command in _commands():
         # An argument has no such flag.
         valued = [option for option in command.params if not getattr(option, "is_flag", True)]
         names.update((name, max(option.opts, key=len)) for option in valued for name in option.opts)
     return names
+
+
+def _takes_path(name: str) -> bool:
+    """Whether an option of some command takes a path."""
+    kinds = [
+        get_type_hints(command.callback)[option.name]
+        for command in _commands()
+        for option in command.params
+        if name in option.opts
+    ]
+    return any(Path in (kind, *get_args(kind)) for kind in kinds)
 
 
 def _given(arguments: Sequence[str], valued: Mapping[str, str]) -> Iterator[str]:

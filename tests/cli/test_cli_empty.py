@@ -13,12 +13,12 @@ def test_an_empty_argument_is_not_the_current_folder(fails, command):
     [
         (["--geometry", "", "-o", "a.csv"], "--geometry"),
         (["--geometry=", "-o", "a.csv"], "--geometry"),
-        (["--geometry", "g.toml", "-o", ""], "-o"),
+        (["--geometry", "g.toml", "-o", ""], "--output"),
         (["--geometry", "g.toml", "--output="], "--output"),
     ],
 )
 def test_an_empty_option_is_named(fails, arguments, name):
-    fails("scooter", "angles", "ride.csv", *arguments, says=[f" {name} is empty"])
+    fails("scooter", "angles", "ride.csv", *arguments, says=[f" {name}: the name is empty"])
 
 
 @pytest.mark.parametrize("ending", ["xlsx", "parquet", "MAT"])
