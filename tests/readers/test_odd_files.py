@@ -140,12 +140,11 @@ def test_a_file_whose_end_is_nul_bytes(tmp_path, write):
     path = write(made(), tmp_path)
     path = path if path.exists() else path.with_name(f"{path.name}-Frame.txt")
     kept = {file: file.read_bytes() for file in tables(path)}
-    if path.suffix == ".json":
-        pytest.skip("the parser tells the place")
     for file, raw in kept.items():
         half = len(raw) // 4 * 2  # a whole character of UTF-16
         file.write_bytes(raw[:half] + b"\0" * (len(raw) - half))
-    assert "NUL bytes" in refused(understand, path, expected=("frame",))
+    text = refused(understand, path, expected=("frame",))
+    assert "NUL bytes" in text or (path.suffix == ".json" and "not valid JSON" in text), text
     for file, raw in kept.items():
         file.write_bytes(b"\0" * len(raw))
     assert "nothing but NUL bytes" in refused(understand, path, expected=("frame",))
