@@ -66,8 +66,8 @@ QMT_FOAM_STEERING_DEG = (4.4, 4.6)
 QMT_BOTH_DEG = {
     "trial1_rigid": 5.36, "trial1_foam": 9.21, "pitch_slow": 10.19, "pitch_medium": 17.91,
 }  # fmt: skip
-"""Root of the sum of both angles' mean square errors, from the same runs: of 24 settings of the peer
-those that fit the reference best."""
+"""Root of the sum of both angles' mean square errors, from the same runs, with those of the peer's
+24 settings that fit the reference best."""
 WITHOUT_FIRST_SAMPLE_DEG = (5.29, 2.33)
 """Error and stated deviation of the steering of ``pitch_slow`` without its first sample."""
 SIMULATED_BEFORE = {
