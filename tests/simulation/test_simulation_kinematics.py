@@ -40,3 +40,16 @@ def test_a_turntable_feels_gravity_and_the_pull_to_its_middle():
     acc, gyr = felt_by_imu(place, axes, 1e-3)
     assert acc[1:-1] == pytest.approx(np.tile([-2.0, 0.0, 9.80665], (198, 1)), abs=1e-6)
     assert gyr == pytest.approx(np.tile([0.0, 0.0, 2.0], (200, 1)), abs=1e-9)
+
+
+@pytest.mark.parametrize("size_rad", [0.0, 1e-9, 1e-3, 1.0])
+def test_rates_are_those_of_scipys_rotations(size_rad):
+    rng = np.random.default_rng(3)
+    steps = Rotation.from_rotvec(size_rad * rng.uniform(-1, 1, (200, 3)))
+    axes = [Rotation.random(rng=rng)]
+    for step in steps:
+        axes.append(axes[-1] * step)
+    turns = steps.as_rotvec() / DT
+    expected = np.vstack([turns[:1], (turns[1:] + turns[:-1]) / 2, turns[-1:]])
+    found = angular_rates(np.array([one.as_matrix() for one in axes]), DT)
+    assert found == pytest.approx(expected, abs=1e-14 / DT)

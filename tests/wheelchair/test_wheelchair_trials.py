@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from mobility_imu.reproduction.wheelchair.facing import along_outward_axle
+from mobility_imu.reproduction.wheelchair.facing import (
+    along_outward_axle,
+    facing_mounting,
+    forward_axles,
+)
 from mobility_imu.reproduction.wheelchair.trials import (
     MIDDLE,
     STRAIGHT_ON,
@@ -71,3 +75,12 @@ def test_tasks_of_a_court_with_perfect_sensors_differ_at_the_changes_only():
     changes = np.nonzero(np.diff(driven))[0]
     apart = np.nonzero(found != driven)[0]
     assert all(np.abs(changes - k).min() <= 70 for k in apart)
+
+
+@pytest.mark.parametrize("facing", ["outward", "inward"])
+def test_axles_are_those_of_the_mounting(facing):
+    axles = list(forward_axles(facing, 10))
+    for k, (side, axle) in enumerate(axles):
+        mounted = facing_mounting(facing, k // 2)[f"{side}_wheel"].rotation_body_to_imu
+        assert np.array_equal(axle, mounted[:, 2])
+    assert [side for side, _ in axles] == list(SIDES) * 10
