@@ -364,12 +364,9 @@ def tasks(
 
 
 def _identified(
-    velocity: Path,
-    series: VelocitySeries,
-    thresholds: TaskSettings,
-    edge: Edge,
+    velocity: Path, series: VelocitySeries, thresholds: TaskSettings, edge: Edge
 ) -> Tasks:
-    """Tasks; an error names the file at fault, and its clock where that may be the cause."""
+    """Tasks; an error names the file, and its clock where that may be the cause."""
     from mobility_imu.wheelchair import identify_tasks
 
     try:
