@@ -107,8 +107,6 @@ def execute(chosen: list[Path]) -> int:
     print(f"notebooks: {len(chosen) - len(stale)} current, {len(stale)} to run", flush=True)
     if not stale:
         return 0
-    # Longest first, so that no core waits at the end for a long one.
-    order = sorted(stale, key=lambda n: (-seconds_of(EXECUTED / n), place_in_long(n)))
     environment = {
         **ONE_THREAD,
         # Compiled from the first call on: readable forms differ in the last digits.
@@ -116,6 +114,7 @@ def execute(chosen: list[Path]) -> int:
         **os.environ,
     }
     workers = min(os.cpu_count() or 1, len(stale)) if len(stale) > 1 else 0
+    order = in_order(list(stale), len(stale) // max(workers, 1))
     begun = time.time()
     # nbmake passes over whatever lies in a folder named _build: run elsewhere, then move.
     with (
@@ -145,6 +144,18 @@ def execute(chosen: list[Path]) -> int:
         f"notebooks: {time.time() - begun:.0f} s; all kernels together {kernel:.0f} s", flush=True
     )
     return code
+
+
+def in_order(chosen: list[Path], first_part: int) -> list[Path]:
+    """Longest first, so that no core waits at the end for a long one.
+
+    Each core begins with a part of the list. The wheelchair's notebooks need no compiled loops: the
+    second part begins with them, while the first one compiles what all others then find.
+    """
+    longest = sorted(chosen, key=lambda n: (-seconds_of(EXECUTED / n), place_in_long(n)))
+    plain = [n for n in longest if "wheelchair" in n.parts]
+    others = [n for n in longest if "wheelchair" not in n.parts]
+    return [*others[:first_part], *plain, *others[first_part:]]
 
 
 def keep(ran: Path, copy: Path, key: str) -> None:

@@ -79,3 +79,14 @@ def test_nothing_is_needed_before_it_was_given(chapter):
         for link in re.findall(r"\]\(([^)#]+)\)", line)
     }
     assert links == {page.rpartition("/")[2] for page in needs()[chapter]}
+
+
+def test_the_second_core_begins_with_what_needs_no_compiled_loops(page):
+    import execute
+
+    notebooks = execute.notebooks()
+    order = execute.in_order(notebooks, 20)
+    assert sorted(order) == notebooks
+    plain = [n for n in notebooks if "wheelchair" in n.parts]
+    assert sorted(order[20 : 20 + len(plain)]) == plain
+    assert order[0] == Path("book/index.ipynb")
