@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -16,9 +17,11 @@ from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs
 from mobility_imu.scooter.agreement import (
     Agreement,
+    AxisMotions,
     Motion,
     Seen,
     agreement,
+    axis_motions,
     motion_of,
     seen_by,
 )
@@ -107,10 +110,21 @@ class SensorPair:
         """Motion by the gyroscopes."""
         return motion_of(*self.turned(gyr), seen, self.rate_hz, self.geometry)
 
+    @cached_property
+    def axes(self) -> AxisMotions:
+        """What each axis of the gyroscopes adds to the motion."""
+        gyr, motions = self.readings.gyr, []
+        for name in ("lever", "body"):
+            for one in np.eye(3):
+                alone = {other: gyr[other] * (one if other == name else 0.0) for other in gyr}
+                motions.append(self.moved(alone, self.seen))
+        return axis_motions(self.seen, motions)
+
     def with_rates(self, name: str, factors: FloatArray | float) -> Agreement:
         """Agreement with one gyroscope multiplied."""
-        gyr = {**self.readings.gyr, name: self.readings.gyr[name] * factors}
-        return agreement(self.seen, self.moved(gyr, self.seen))
+        both = np.ones(6)
+        both[slice(3) if name == "lever" else slice(3, None)] = factors
+        return self.axes.agreement(both)
 
     def repaired(self, repair: Repair) -> Agreement | None:
         """Agreement of the recording once something is undone; None if most angles have gone."""
