@@ -237,7 +237,8 @@ def _force_axes(pair: SensorPair) -> Iterator[Suspect]:
     for name in ("lever", "body") if drives else ("lever",):
         for axes, signs, what in FORCE_AXES:
             repair = partial(rearranged, sensor=name, axes=axes, signs=signs)
-            after = pair.repaired(repair)
+            other = np.diag(signs) @ np.eye(3)[list(axes)]
+            after = pair.in_axes(name, acc=other, gyr=np.eye(3))
             if after is None or after.squared > AT_ODDS:
                 continue
             if pair.stated is None or after.squared < pair.stated.squared:
@@ -333,12 +334,9 @@ def _quarters(pair: SensorPair) -> Iterator[Suspect]:
     """Sensors that sit turned about their z axis by a quarter or two."""
     for name in ("lever", "body"):
         for angle in QUARTERS_DEG:
-            repair = partial(
-                turned_back,
-                sensor=name,
-                rotation=Rotation.from_euler("z", angle, degrees=True).as_matrix(),
-            )
-            after = pair.repaired(repair)
+            back = np.asarray(Rotation.from_euler("z", angle, degrees=True).as_matrix())
+            repair = partial(turned_back, sensor=name, rotation=back)
+            after = pair.in_axes(name, acc=back, gyr=back)
             if after is not None:
                 yield Suspect(
                     "turned", name,
@@ -353,7 +351,7 @@ def _mirrors(pair: SensorPair) -> Iterator[Suspect]:
         for axis in range(3):
             signs = np.where(np.arange(3) == axis, -1.0, 1.0)
             repair = partial(unmirrored, sensor=name, signs=signs)
-            after = pair.repaired(repair)
+            after = pair.in_axes(name, acc=np.diag(signs), gyr=np.diag(signs))
             if after is not None:
                 yield Suspect(
                     "left-handed", name,
