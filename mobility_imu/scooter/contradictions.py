@@ -173,15 +173,24 @@ def _whole(pair: SensorPair) -> NDArray[np.bool_]:
 
 
 def _suspects(pair: SensorPair, on_one_clock: bool) -> Iterator[Suspect]:
-    """Each way in which a fault could have come about."""
+    """Each way in which a fault could have come about, as far as it can be named (:func:`_best`).
+
+    A lag has a measure of its own; nothing else makes sensors agree clearly better that agree well.
+    """
+    if pair.stated is None or pair.stated.squared > CLEARLY_BETTER:
+        yield from _misread(pair)
+    if pair.stated is not None and not on_one_clock:
+        yield from _late(pair, lag_between(pair.motion, pair.seen.good, pair.rate_hz))
+
+
+def _misread(pair: SensorPair) -> Iterator[Suspect]:
+    """Names, axes, signs and scales other than those that are stated."""
     yield from exchanges(pair)
     yield from _force_axes(pair)
     if pair.stated is None:
         return
     yield from _signs(pair)
     yield from _scales(pair)
-    if not on_one_clock:
-        yield from _late(pair, lag_between(pair.motion, pair.seen.good, pair.rate_hz))
     if rms(pair.motion.body_locked) > LEAST_TURNING_RADPS:
         # While the scooter stands, gravity alone would be asked.
         yield from _quarters(pair)
