@@ -8,6 +8,7 @@ up to is how far the angles of the closed form move, for the steering and for th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,11 +23,13 @@ from mobility_imu.scooter.geometry import ScooterGeometry
 
 __all__ = [
     "Agreement",
+    "AxisMotions",
     "Lag",
     "Motion",
     "Seen",
     "Twist",
     "agreement",
+    "axis_motions",
     "lag_between",
     "motion_of",
     "seen_by",
@@ -198,11 +201,11 @@ def motion_of(
     beside, ahead = steered(column, seen.steering_rad)
     tip = seen.throttle_rad + geometry.lean_rad
     across, shaft = turn(lever_gyr[:, 1], lever_gyr[:, 2], np.sin(tip), np.cos(tip))
-    rates = np.column_stack([shaft - column.k1, beside - lever_gyr[:, 0], across - ahead])
-    means = rates.mean(axis=0)
-    steering, throttle, _ = np.cumsum(rates - means, axis=0).T / rate_hz
+    rates = (shaft - column.k1, beside - lever_gyr[:, 0], across - ahead)
+    means = np.array([rate.mean() for rate in rates])
+    steering, throttle = (np.cumsum(rates[k] - means[k]) / rate_hz for k in range(2))
     locked = [_averaged(r - r.mean(), RATE_MEAN_S, rate_hz) for r in (across, ahead)]
-    turning = rms(np.linalg.norm(lever_gyr - lever_gyr.mean(axis=0), axis=1))
+    turning = float(np.sqrt(lever_gyr.var(axis=0).sum()))
     return Motion(locked[0], locked[1], steering, throttle, means, turning)
 
 
@@ -230,23 +233,46 @@ def agreement(seen: Seen, motion: Motion) -> Agreement:
     Agreement
     """
     good = seen.good
-    lever, body = motion.lever_locked[good], motion.body_locked[good]
-    size = rms(body)
-    usual = np.hypot(
-        LOCKED_FRACTION * size,
-        np.hypot(LOCKED_RADPS, LOCKED_OF_ALL * motion.turning_radps),
+    return _agreement(
+        motion.lever_locked[good],
+        motion.body_locked[good],
+        (_detrended(motion.steering_rad, good), _detrended(motion.throttle_rad, good)),
+        (_detrended(seen.steering_rad, good), _detrended(seen.throttle_rad, good)),
+        turning_radps=motion.turning_radps,
+        samples=int(good.sum()),
     )
-    locked = rms(lever - body) / float(usual)
-    product = rms(lever) * size
-    both = float(np.mean(lever * body))
-    misfits = []
-    for by_rates, by_acc, fraction, least in (
-        (motion.steering_rad, seen.steering_rad, STEERING_FRACTION, STEERING_RAD),
-        (motion.throttle_rad, seen.throttle_rad, THROTTLE_FRACTION, THROTTLE_RAD),
-    ):
-        rates, angles = (_detrended(values, good) for values in (by_rates, by_acc))
-        misfits.append(rms(rates - angles) / float(np.hypot(fraction * rms(angles), least)))
-    return Agreement(locked, misfits[0], misfits[1], both / product if product > 0 else 0.0)
+
+
+def _agreement(
+    lever: FloatArray,
+    body: FloatArray,
+    by_rates: tuple[FloatArray, FloatArray],
+    by_acc: tuple[FloatArray, FloatArray],
+    *,
+    turning_radps: float,
+    samples: int,
+) -> Agreement:
+    """Agreement of both rates about the locked axis, and of steering and throttle about a line.
+
+    Only lengths and products of the series enter: other coordinates of them will do.
+    """
+
+    def size(series: FloatArray) -> float:
+        return float(np.sqrt(series @ series / samples))
+
+    turns = size(body)
+    usual = np.hypot(LOCKED_FRACTION * turns, np.hypot(LOCKED_RADPS, LOCKED_OF_ALL * turning_radps))
+    locked = size(lever - body) / float(usual)
+    product = size(lever) * turns
+    both = float(lever @ body / samples)
+    steering, throttle = (
+        size(rates - angles) / float(np.hypot(fraction * size(angles), least))
+        for rates, angles, fraction, least in (
+            (by_rates[0], by_acc[0], STEERING_FRACTION, STEERING_RAD),
+            (by_rates[1], by_acc[1], THROTTLE_FRACTION, THROTTLE_RAD),
+        )
+    )
+    return Agreement(locked, steering, throttle, both / product if product > 0 else 0.0)
 
 
 def _detrended(values: FloatArray, good: NDArray[np.bool_]) -> FloatArray:
@@ -254,6 +280,77 @@ def _detrended(values: FloatArray, good: NDArray[np.bool_]) -> FloatArray:
     place, chosen = np.flatnonzero(good).astype(float), values[good]
     place, chosen = place - place.mean(), chosen - chosen.mean()
     return np.asarray(chosen - place * (place @ chosen) / max(float(place @ place), 1.0))
+
+
+class AxisMotions(NamedTuple):
+    """What each axis of both gyroscopes adds to what is compared, which is linear in the rates.
+
+    The series have as many coordinates as there are columns, in place of samples: those of an
+    orthonormal base (QR), which leaves their lengths and products as they are.
+
+    Parameters
+    ----------
+    locked : (6, 6) array, rad/s, rates about the locked axis: columns of the lever, then the body
+    steering, throttle : (7, 7) arrays, rad, without the lines through them; the last column has the
+        angle of the closed form
+    turning_radps : (3,) array, rad/s, of the lever's axes
+    samples : number of them
+    """
+
+    locked: FloatArray
+    steering: FloatArray
+    throttle: FloatArray
+    turning_radps: FloatArray
+    samples: int
+
+    def agreement(self, factors: FloatArray) -> Agreement:
+        """How well two sensors agree whose gyroscopes are multiplied.
+
+        Parameters
+        ----------
+        factors : (6,) array, of the lever's axes, then the body's
+
+        Returns
+        -------
+        Agreement
+        """
+        return _agreement(
+            self.locked[:, :3] @ factors[:3],
+            self.locked[:, 3:] @ factors[3:],
+            (self.steering[:, :6] @ factors, self.throttle[:, :6] @ factors),
+            (self.steering[:, 6], self.throttle[:, 6]),
+            turning_radps=float(np.linalg.norm(self.turning_radps * factors[:3])),
+            samples=self.samples,
+        )
+
+
+def axis_motions(seen: Seen, motions: Sequence[Motion]) -> AxisMotions:
+    """What each axis of both gyroscopes adds to what is compared.
+
+    Parameters
+    ----------
+    seen : Seen
+    motions : six, each of one axis alone: those of the lever, then the body's
+
+    Returns
+    -------
+    AxisMotions
+    """
+    good, lever, body = seen.good, motions[:3], motions[3:]
+
+    def coordinates(columns: Sequence[FloatArray]) -> FloatArray:
+        return np.asarray(np.linalg.qr(np.column_stack(columns), mode="r"))
+
+    def about_lines(series: Sequence[FloatArray]) -> list[FloatArray]:
+        return [_detrended(values, good) for values in series]
+
+    return AxisMotions(
+        coordinates([*(m.lever_locked[good] for m in lever), *(m.body_locked[good] for m in body)]),
+        coordinates(about_lines([*(m.steering_rad for m in motions), seen.steering_rad])),
+        coordinates(about_lines([*(m.throttle_rad for m in motions), seen.throttle_rad])),
+        np.array([m.turning_radps for m in lever]),
+        int(good.sum()),
+    )
 
 
 def lag_between(motion: Motion, good: NDArray[np.bool_], rate_hz: float) -> Lag:

@@ -173,15 +173,24 @@ def _whole(pair: SensorPair) -> NDArray[np.bool_]:
 
 
 def _suspects(pair: SensorPair, on_one_clock: bool) -> Iterator[Suspect]:
-    """Each way in which a fault could have come about."""
+    """Each way in which a fault could have come about, as far as it can be named (:func:`_best`).
+
+    A lag has a measure of its own; nothing else makes sensors agree clearly better that agree well.
+    """
+    if pair.stated is None or pair.stated.squared > CLEARLY_BETTER:
+        yield from _misread(pair)
+    if pair.stated is not None and not on_one_clock:
+        yield from _late(pair, lag_between(pair.motion, pair.seen.good, pair.rate_hz))
+
+
+def _misread(pair: SensorPair) -> Iterator[Suspect]:
+    """Names, axes, signs and scales other than those that are stated."""
     yield from exchanges(pair)
     yield from _force_axes(pair)
     if pair.stated is None:
         return
     yield from _signs(pair)
     yield from _scales(pair)
-    if not on_one_clock:
-        yield from _late(pair, lag_between(pair.motion, pair.seen.good, pair.rate_hz))
     if rms(pair.motion.body_locked) > LEAST_TURNING_RADPS:
         # While the scooter stands, gravity alone would be asked.
         yield from _quarters(pair)
@@ -237,7 +246,8 @@ def _force_axes(pair: SensorPair) -> Iterator[Suspect]:
     for name in ("lever", "body") if drives else ("lever",):
         for axes, signs, what in FORCE_AXES:
             repair = partial(rearranged, sensor=name, axes=axes, signs=signs)
-            after = pair.repaired(repair)
+            other = np.diag(signs) @ np.eye(3)[list(axes)]
+            after = pair.in_axes(name, acc=other, gyr=np.eye(3))
             if after is None or after.squared > AT_ODDS:
                 continue
             if pair.stated is None or after.squared < pair.stated.squared:
@@ -333,12 +343,9 @@ def _quarters(pair: SensorPair) -> Iterator[Suspect]:
     """Sensors that sit turned about their z axis by a quarter or two."""
     for name in ("lever", "body"):
         for angle in QUARTERS_DEG:
-            repair = partial(
-                turned_back,
-                sensor=name,
-                rotation=Rotation.from_euler("z", angle, degrees=True).as_matrix(),
-            )
-            after = pair.repaired(repair)
+            back = np.asarray(Rotation.from_euler("z", angle, degrees=True).as_matrix())
+            repair = partial(turned_back, sensor=name, rotation=back)
+            after = pair.in_axes(name, acc=back, gyr=back)
             if after is not None:
                 yield Suspect(
                     "turned", name,
@@ -353,7 +360,7 @@ def _mirrors(pair: SensorPair) -> Iterator[Suspect]:
         for axis in range(3):
             signs = np.where(np.arange(3) == axis, -1.0, 1.0)
             repair = partial(unmirrored, sensor=name, signs=signs)
-            after = pair.repaired(repair)
+            after = pair.in_axes(name, acc=np.diag(signs), gyr=np.diag(signs))
             if after is not None:
                 yield Suspect(
                     "left-handed", name,

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.faults import Repair, without_offset
+from mobility_imu.faults import Repair
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.offsets import rest_flags
@@ -16,16 +16,18 @@ from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs
 from mobility_imu.scooter.agreement import (
     Agreement,
+    AxisMotions,
     Motion,
     Seen,
     agreement,
+    axis_motions,
     motion_of,
     seen_by,
 )
 from mobility_imu.scooter.geometry import ScooterGeometry
 from mobility_imu.scooter.mount import ScooterMount
 
-__all__ = ["LARGE_OFFSET_RADPS", "SensorPair", "offsets_at_rest"]
+__all__ = ["LARGE_OFFSET_RADPS", "SensorPair"]
 
 LARGE_OFFSET_RADPS = float(np.deg2rad(4.5))
 """Data sheets of consumer sensors state up to 3 deg/s at rest, and half as much for warmth."""
@@ -43,6 +45,28 @@ class _Readings(NamedTuple):
     gyr: dict[str, FloatArray]
 
 
+class _Rest(NamedTuple):
+    """Medians of both sensors' readings at rest, in their own axes."""
+
+    acc: dict[str, FloatArray]
+    gyr: dict[str, FloatArray]
+
+    @property
+    def offsets(self) -> dict[str, FloatArray]:
+        """What the gyroscopes read; none where both sensors stand on something that turns."""
+        along = {name: rate @ _direction(self.acc[name]) for name, rate in self.gyr.items()}
+        alike = abs(along["lever"] - along["body"]) < LARGE_OFFSET_RADPS / 3
+        spins = alike and all(
+            abs(along[name]) >= LARGEST_SPIN * np.linalg.norm(rate)
+            for name, rate in self.gyr.items()
+        )
+        return {} if spins else self.gyr
+
+
+def _direction(vector: FloatArray) -> FloatArray:
+    return np.asarray(vector / np.linalg.norm(vector))
+
+
 class SensorPair:
     """Two sensors, and how well they agree once something is undone."""
 
@@ -51,8 +75,9 @@ class SensorPair:
     ) -> None:
         self.recording, self.geometry, self.mount = recording, geometry, mount
         self.rate_hz = recording.sampling_rate_hz
-        self.offsets = offsets_at_rest(recording)
-        self.readings = self.of(recording, self.offsets)
+        self.rest = _rest_of(recording)
+        self.offsets = _offsets(self.rest)
+        self.readings = _readings_of(recording, self.offsets)
         self.seen = self.angles(self.readings.acc)
         self.motion = self.moved(self.readings.gyr, self.seen)
         self.stated = agreement(self.seen, self.motion) if self.seen.enough else None
@@ -71,17 +96,6 @@ class SensorPair:
             self.drift = drift
             self.readings, self.motion = self.readings._replace(gyr=gyr), motion
             self.stated = after
-
-    def of(self, recording: Recording, offsets: dict[str, FloatArray]) -> _Readings:
-        """Readings of a recording without its offsets at rest, however large these are."""
-        still = recording
-        for name, offset in offsets.items():
-            still = without_offset(still, name, offset)
-        names = ("lever", "body")
-        return _Readings(
-            {name: still.sensor(name).acc_mps2 for name in names},
-            {name: still.gyroscope(name) for name in names},
-        )
 
     def turned(self, vectors: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Vectors of lever and body in {T} and {B}."""
@@ -107,64 +121,89 @@ class SensorPair:
         """Motion by the gyroscopes."""
         return motion_of(*self.turned(gyr), seen, self.rate_hz, self.geometry)
 
+    @cached_property
+    def axes(self) -> AxisMotions:
+        """What each axis of the gyroscopes adds to the motion."""
+        gyr, motions = self.readings.gyr, []
+        for name in ("lever", "body"):
+            for one in np.eye(3):
+                alone = {other: gyr[other] * (one if other == name else 0.0) for other in gyr}
+                motions.append(self.moved(alone, self.seen))
+        return axis_motions(self.seen, motions)
+
     def with_rates(self, name: str, factors: FloatArray | float) -> Agreement:
         """Agreement with one gyroscope multiplied."""
-        gyr = {**self.readings.gyr, name: self.readings.gyr[name] * factors}
-        return agreement(self.seen, self.moved(gyr, self.seen))
+        both = np.ones(6)
+        both[slice(3) if name == "lever" else slice(3, None)] = factors
+        return self.axes.agreement(both)
 
     def repaired(self, repair: Repair) -> Agreement | None:
         """Agreement of the recording once something is undone; None if most angles have gone."""
         try:
             mended = repair(self.recording)
-            readings = self.of(mended, offsets_at_rest(mended))
+        except InputError:
+            return None
+        return self._agreement(_readings_of(mended, _offsets(_rest_of(mended))))
+
+    def in_axes(self, name: str, *, acc: FloatArray, gyr: FloatArray) -> Agreement | None:
+        """Agreement with one sensor's halves in other axes; None if most angles have gone.
+
+        ``acc`` and ``gyr``, (3, 3) arrays, take readings into these axes and keep their lengths. So
+        the sensor rests when it did, and its medians at rest turn with it.
+        """
+        raw, rest = _readings_of(self.recording, {}), self.rest
+        if rest is not None:
+            rest = _Rest(_turned(rest.acc, name, acc), _turned(rest.gyr, name, gyr))
+        rates = _less(_turned(raw.gyr, name, gyr), _offsets(rest))
+        return self._agreement(_Readings(_turned(raw.acc, name, acc), rates))
+
+    def _agreement(self, readings: _Readings) -> Agreement | None:
+        """Agreement of readings; None if most angles have gone."""
+        try:
             seen = self.angles(readings.acc)
         except InputError:
             return None
-        if not seen.enough:
-            return None
-        return agreement(seen, self.moved(readings.gyr, seen))
+        return agreement(seen, self.moved(readings.gyr, seen)) if seen.enough else None
 
 
-def offsets_at_rest(recording: Recording) -> dict[str, FloatArray]:
-    """What both gyroscopes read at rest, however much that is.
+def _turned(vectors: dict[str, FloatArray], name: str, turn: FloatArray) -> dict[str, FloatArray]:
+    """Vectors of both sensors, those of one in other axes."""
+    return {**vectors, name: vectors[name] @ turn.T}
 
-    Parameters
-    ----------
-    recording : Recording of lever and body with gyroscopes
 
-    Returns
-    -------
-    dict from sensor to (3,) array, rad/s; empty without a second of rest, or on something that
-    turns
-    """
-    rate_hz = recording.sampling_rate_hz
-    rest = _standing(recording)
+def _less(rates: dict[str, FloatArray], offsets: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    """Rates of both gyroscopes without their offsets, however large these are."""
+    return {name: rate - offsets[name] if offsets else rate for name, rate in rates.items()}
+
+
+def _readings_of(recording: Recording, offsets: dict[str, FloatArray]) -> _Readings:
+    """Readings of a recording without its offsets at rest."""
+    names = ("lever", "body")
+    return _Readings(
+        {name: recording.sensor(name).acc_mps2 for name in names},
+        _less({name: recording.gyroscope(name) for name in names}, offsets),
+    )
+
+
+def _rest_of(recording: Recording) -> _Rest | None:
+    """Medians at rest; None without a second of it."""
+    sensors = {name: recording.sensor(name) for name in ("lever", "body")}
+    gyr = {name: recording.gyroscope(name) for name in sensors}
+    rate_hz, rest = recording.sampling_rate_hz, np.ones(len(recording), np.bool_)
+    for name, sensor in sensors.items():
+        rest &= rest_flags(sensor.acc_mps2, gyr[name], rate_hz)
     rest = long_runs(rest, max(1, round(SHORTEST_REST_S * rate_hz)), grow=False)
-    if not rest.any() or _spins(recording, rest):
-        return {}
-    return {name: np.median(recording.gyroscope(name)[rest], axis=0) for name in ("lever", "body")}
+    if not rest.any():
+        return None
+    return _Rest(
+        {name: np.median(sensor.acc_mps2[rest], axis=0) for name, sensor in sensors.items()},
+        {name: np.median(rates[rest], axis=0) for name, rates in gyr.items()},
+    )
 
 
-def _standing(recording: Recording) -> NDArray[np.bool_]:
-    """Where both sensors rest."""
-    rest = np.ones(len(recording), np.bool_)
-    for name in ("lever", "body"):
-        acc, gyr = recording.sensor(name).acc_mps2, recording.gyroscope(name)
-        rest &= rest_flags(acc, gyr, recording.sampling_rate_hz)
-    return rest
-
-
-def _spins(recording: Recording, rest: NDArray[np.bool_]) -> bool:
-    """Whether both sensors turn alike about gravity: then they stand on something that turns."""
-    rates = []
-    for name in ("lever", "body"):
-        up = np.median(recording.sensor(name).acc_mps2[rest], axis=0)
-        gyr = np.median(recording.gyroscope(name)[rest], axis=0)
-        along = float(gyr @ up / np.linalg.norm(up))
-        if abs(along) < LARGEST_SPIN * np.linalg.norm(gyr):
-            return False
-        rates.append(along)
-    return bool(abs(rates[0] - rates[1]) < LARGE_OFFSET_RADPS / 3)
+def _offsets(rest: _Rest | None) -> dict[str, FloatArray]:
+    """What both gyroscopes read at rest, by sensor, rad/s; empty where nothing shows it."""
+    return {} if rest is None else rest.offsets
 
 
 def _drift(pair: SensorPair) -> tuple[str, FloatArray]:
