@@ -176,21 +176,25 @@ def rest_flags(
     quiet = (_spread(gyr, window) <= LARGEST_WOBBLE_RADPS) & (
         _spread(slow, window) <= LARGEST_SWAY_MPS2
     )
-    rest = np.zeros(len(acc) + 1, int)
-    starts = np.nonzero(quiet)[0]
-    np.add.at(rest, starts, 1)
-    np.add.at(rest, starts + window, -1)
-    return np.asarray(np.cumsum(rest[:-1]) > 0)
+    begun = np.zeros(len(acc) + window, np.intp)
+    begun[window : window + len(quiet)] = quiet
+    begun = np.cumsum(begun)
+    return np.asarray(begun[window:] > begun[:-window])
 
 
 def _spread(values: FloatArray, window: int) -> FloatArray:
     """Root mean square about the mean in each window that lies inside, by its first sample."""
-    centred = values - np.median(values, axis=0)
-    sums = np.vstack([np.zeros((1, 3)), np.cumsum(centred, axis=0)])
-    squares = np.r_[0.0, np.cumsum(np.einsum("ij,ij->i", centred, centred))]
-    mean = (sums[window:] - sums[:-window]) / window
-    mean_square = (squares[window:] - squares[:-window]) / window
-    return np.asarray(np.sqrt(np.maximum(mean_square - np.einsum("ij,ij->i", mean, mean), 0.0)))
+    x, y, z = (axis - axis.mean() for axis in values.T)
+    mean_square = _means(x**2 + y**2 + z**2, window)
+    square_mean = _means(x, window) ** 2 + _means(y, window) ** 2 + _means(z, window) ** 2
+    return np.asarray(np.sqrt(np.maximum(mean_square - square_mean, 0.0)))
+
+
+def _means(values: FloatArray, window: int) -> FloatArray:
+    """Mean of each window that lies inside."""
+    sums = np.zeros(len(values) + 1)
+    np.cumsum(values, out=sums[1:])
+    return (sums[window:] - sums[:-window]) / window
 
 
 class RestBlocks(NamedTuple):
