@@ -297,6 +297,7 @@ def rest_offsets(
     sensors: Collection[str] | None = None,
     *,
     skip: Mapping[str, ArrayLike] | None = None,
+    rest: ArrayLike | None = None,
 ) -> dict[str, GyroscopeOffset]:
     """Offsets of the gyroscopes of one recording, from the times in which all its sensors rest.
 
@@ -307,6 +308,7 @@ def rest_offsets(
     recording : Recording
     sensors : names of those that move together with the device; all with a gyroscope if None
     skip : sensor to (n,) flags, the samples in which its gyroscope fails; none if None
+    rest : (n,) flags of :func:`common_rest` where they are known already
 
     Returns
     -------
@@ -322,11 +324,14 @@ def rest_offsets(
     else:
         names = list(sensors)
     rate, none = recording.sampling_rate_hz, np.zeros(len(recording), np.bool_)
-    rest = common_rest(recording, names, skip=skip)
+    if rest is None:
+        still = common_rest(recording, names, skip=skip)
+    else:
+        still = as_flags(rest, "rest", length=len(recording))
     found = {
         name: gyroscope_offset(
             recording.gyroscope(name),
-            rest & ~np.asarray((skip or {}).get(name, none), np.bool_),
+            still & ~np.asarray((skip or {}).get(name, none), np.bool_),
             rate,
         )
         for name in names
