@@ -266,7 +266,8 @@ def turned_gravity(
     rate = gyr - _quiet_rate(gyr, max(2, round(1 / step_s))) if len(gyr) else gyr
     turning = np.cross(rate, acc)
     along = np.abs(np.einsum("ni,ni->n", rate, acc))
-    turning[along > ABOUT_ITSELF * np.linalg.norm(rate, axis=1) * np.linalg.norm(acc, axis=1)] = 0
+    sizes = np.sqrt([np.einsum("ni,ni->n", vectors, vectors) for vectors in (rate, acc)])
+    turning[along > ABOUT_ITSELF * sizes.prod(axis=0)] = 0
     return np.cumsum(-turning * step_s, axis=0)
 
 

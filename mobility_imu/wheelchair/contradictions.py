@@ -321,7 +321,8 @@ def gain_of(first: FloatArray, second: FloatArray, rate_hz: float) -> Gain | Non
     design = np.column_stack([first, np.ones(len(first))])
     used = np.ones(len(first), np.bool_)
     for _ in range(MOST_FITS):
-        found = np.linalg.lstsq(design[used], second[used], rcond=None)[0]
+        part = design.T * used
+        found = np.linalg.lstsq(part @ design, part @ second, rcond=None)[0]
         apart = np.abs(second - design @ found)
         before, used = used, apart <= max(3 * 1.48 * float(np.median(apart)), 0.02)
         if (used == before).all():
@@ -472,12 +473,11 @@ def lone_jumps(
     bends[1:-1] = np.linalg.norm(change, axis=1)
     felt = ndimage.maximum_filter1d(bends, 5)
     for axis in gyr_radps.T:
-        size = np.zeros(count)
-        size[1:-1] = np.abs(axis[1:-1] - (axis[:-2] + axis[2:]) / 2)
-        usual = ndimage.percentile_filter(size, 90, size=window)
         # Beside a lone reading the bend is half as large, the other way; at a kink it is zero.
         bend = np.zeros(count)
         bend[1:-1] = axis[1:-1] - (axis[:-2] + axis[2:]) / 2
+        size = np.abs(bend)
+        usual = ndimage.percentile_filter(size, 90, size=window)
         agree = np.zeros(count, np.bool_)
         agree[2:-2] = (np.abs(axis[3:-1] - axis[1:-3]) < size[2:-2] / 2) & (
             np.abs(bend[1:-3] + bend[2:-2] / 2) + np.abs(bend[3:-1] + bend[2:-2] / 2)
