@@ -7,7 +7,6 @@ whose signs do not fit the accelerometer beside it, two sensors with the same da
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Iterator
 from functools import partial
 from itertools import product
@@ -34,6 +33,7 @@ from mobility_imu.quality import (
     pinned_axes,
     same_as_before,
     saturated_samples,
+    smallest_step,
     turned_gravity,
 )
 from mobility_imu.recording import Imu, Recording
@@ -109,7 +109,9 @@ def examine(recording: Recording) -> tuple[Fault, ...]:
 def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:
     """Faults of one half of a sensor: frozen, dead axis, spikes, range."""
     rate = recording.sampling_rate_hz
-    felt = () if imu.gyr_radps is None else (turned_gravity(imu.acc_mps2, imu.gyr_radps, rate),)
+    felt: tuple[FloatArray, ...] = ()
+    if imu.gyr_radps is not None and same_as_before(imu.acc_mps2).any():
+        felt = (turned_gravity(imu.acc_mps2, imu.gyr_radps, rate),)
     halves = [("acc", imu.acc_mps2, SPIKE_MPS2, "m/s²")]
     if imu.gyr_radps is not None:
         halves.append(("gyr", imu.gyr_radps, SPIKE_RADPS, "rad/s"))
@@ -239,8 +241,10 @@ def _silent(acc: FloatArray, gyr: FloatArray, rate_hz: float) -> NDArray[np.bool
 
 def _dead_axes(values: FloatArray) -> list[int]:
     """Axes that never change, of a half whose other axes take many values."""
-    counts = [len(np.unique(axis)) for axis in values.T]
-    return [k for k, n in enumerate(counts) if n == 1 and max(counts) > FEWEST_VALUES]
+    still = [k for k, axis in enumerate(values.T) if (axis == axis[0]).all()]
+    if still and max(len(np.unique(axis)) for axis in values.T) > FEWEST_VALUES:
+        return still
+    return []
 
 
 def samples_lost(faults: Iterable[Fault], count: int) -> NDArray[np.bool_]:
@@ -315,6 +319,9 @@ def stuck_axes(
         return stuck
     shortest = max(SHORTEST_STUCK, round(SHORTEST_FROZEN_S * sampling_rate_hz)) - 1
     change = np.diff(values, axis=0, prepend=values[:1])
+    repeats = (change == 0) & ~skip[:, None]
+    if not any(long_runs(axis, shortest, grow=False).any() for axis in repeats.T):
+        return stuck
     scale = np.abs(change).mean(axis=0)
     busy = ndimage.uniform_filter1d(
         np.abs(change) / np.where(scale > 0, scale, 1.0), QUIET_SAMPLES, axis=0, mode="nearest"
@@ -322,10 +329,10 @@ def stuck_axes(
     for k, axis in enumerate(values.T):
         at_end = (axis == axis.max()) | (axis == axis.min())
         at_end &= np.abs(axis) > 0.9 * np.abs(axis).max()
-        same = long_runs((change[:, k] == 0) & ~skip & ~at_end, shortest, grow=True)
+        same = long_runs(repeats[:, k] & ~at_end, shortest, grow=True)
         if not same.any() or np.ptp(axis) == 0:
             continue
-        step = float(np.percentile(np.diff(np.unique(axis)), 10))
+        step = smallest_step(axis)
         others = np.delete(busy, k, axis=1).sum(axis=1)
         free = ~(same | skip)
         free[1:] &= free[:-1].copy()
@@ -363,9 +370,11 @@ def single_spikes(values: FloatArray, least: float) -> NDArray[np.bool_]:
     if len(values) < 5:
         return far
     step = np.diff(values, axis=0)
-    usual = np.median(np.abs(step), axis=0)
     up, down = step[:-1], step[1:]
     size = np.minimum(np.abs(up), np.abs(down))
+    if not (size > least).any():
+        return far
+    usual = np.median(np.abs(step), axis=0)
     alone = (np.sign(up) != np.sign(down)) & (np.abs(up + down) < 0.25 * size)
     far[1:-1] = (alone & (size > np.maximum(least, SPIKE_TIMES * usual))).any(axis=1)
     return far
@@ -373,8 +382,8 @@ def single_spikes(values: FloatArray, least: float) -> NDArray[np.bool_]:
 
 def _pinned(values: FloatArray) -> NDArray[np.bool_]:
     """Where an axis says exactly its largest size, if it does so for much of the recording."""
-    size = np.abs(values)
-    return np.asarray(((size == size.max(axis=0)) & pinned_axes(values)).any(axis=1))
+    sizes = np.abs(values[:, pinned_axes(values)])
+    return np.asarray((sizes == sizes.max(axis=0, initial=0.0)).any(axis=1))
 
 
 def _reversed(
@@ -388,30 +397,29 @@ def _reversed(
     rate_hz = recording.sampling_rate_hz
     smooth = max(1, round(SMOOTHED_S * rate_hz))
     kernel = np.ones(smooth) / smooth
-    # (axis of the rate, n, 3): what each axis alone adds to the force, summed up from the start.
-    sums = [np.cumsum(-np.cross(gyr * axis, acc), axis=0) / rate_hz for axis in np.eye(3)]
+    # What each axis of the rate alone adds to the force, summed up from the start: 3 of (3, n).
+    sums = [
+        np.cumsum(rate * np.cross(acc, axis).T, axis=1) / rate_hz
+        for rate, axis in zip(gyr.T, np.eye(3), strict=True)
+    ]
     force, *terms = (
-        np.column_stack([np.convolve(column, kernel, "valid") for column in values.T])
-        for values in (acc, *sums)
+        np.array([np.convolve(row, kernel, "valid") for row in rows]) for rows in (acc.T, *sums)
     )
+    calm = np.abs(np.linalg.norm(force, axis=0) - STANDARD_GRAVITY_MPS2) < LARGEST_PUSH_MPS2
     gone = np.r_[0, np.cumsum(lost)]
     verdicts = []
     for span_s in SPANS_S:
         span = max(1, round(span_s * rate_hz))
-        if len(force) < 4 * span:
+        if len(calm) < 4 * span:
             continue
-        seen = force[span:] - force[:-span]
-        parts = np.stack([term[span:] - term[:-span] for term in terms])
-        calm = np.abs(np.linalg.norm(force, axis=1) - STANDARD_GRAVITY_MPS2) < LARGEST_PUSH_MPS2
-        turning = np.linalg.norm(parts.sum(axis=0), axis=1) > LEAST_CHANGE_MPS2
+        seen = force[:, span:] - force[:, :-span]
+        parts = np.array([term[:, span:] - term[:, :-span] for term in terms])
+        turning = np.linalg.norm(parts.sum(axis=0), axis=0) > LEAST_CHANGE_MPS2
         turning &= calm[span:] & calm[:-span]
         turning &= gone[span + smooth - 1 :][1:] == gone[: -(span + smooth)]
         if turning.sum() < LEAST_TURNING_S * rate_hz:
             continue
-        fits = {
-            signs: _alike(np.tensordot(signs, parts[:, turning], 1), seen[turning])
-            for signs in product((1.0, -1.0), repeat=3)
-        }
+        fits = _alike(parts[:, :, turning].reshape(3, -1), seen[:, turning].ravel())
         best = max(fits, key=lambda signs: fits[signs])
         stated = fits[1.0, 1.0, 1.0]
         if fits[best] > SURE_FIT and stated < fits[best] - CLEARLY_WORSE:
@@ -433,20 +441,26 @@ def _reversed(
         )  # fmt: skip
 
 
-def _alike(expected: FloatArray, seen: FloatArray) -> float:
-    """Correlation of two series of vectors about zero: 1 if they are the same up to a factor."""
-    size = float(np.sqrt((expected**2).sum() * (seen**2).sum()))
-    return float((expected * seen).sum()) / size if size > 0 else 0.0
+def _alike(parts: FloatArray, seen: FloatArray) -> dict[tuple[float, ...], float]:
+    """Correlation about zero of what is seen with the sum of three parts, by the parts' signs."""
+    among, along = np.einsum("im,jm->ij", parts, parts), np.einsum("im,m->i", parts, seen)
+    power = float((seen**2).sum())
+    fits = {}
+    for signs in product((1.0, -1.0), repeat=3):
+        size = float(np.sqrt(max(signs @ among @ signs, 0.0) * power))
+        fits[signs] = float(signs @ along) / size if size > 0 else 0.0
+    return fits
 
 
 def _copies(recording: Recording) -> Iterator[Fault]:
     """Sensors whose accelerations are the same in every sample, and do change."""
-    seen: dict[bytes, str] = {}
+    seen: dict[str, FloatArray] = {}
     for name, imu in recording.sensors.items():
-        changes = (np.diff(imu.acc_mps2, axis=0) != 0).any(axis=1).sum()
-        if changes < FEWEST_VALUES:
+        acc = imu.acc_mps2
+        if (~same_as_before(acc)[1:]).sum() < FEWEST_VALUES:
             continue
-        first = seen.setdefault(hashlib.sha256(imu.acc_mps2.tobytes()).digest(), name)
+        first = next((one for one, other in seen.items() if np.array_equal(acc, other)), name)
+        seen.setdefault(first, acc)
         if first != name:
             yield Fault(
                 "copy", f"{first}, {name}", float(recording.time_s[0]), np.ones(len(imu), np.bool_),

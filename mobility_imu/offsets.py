@@ -176,21 +176,25 @@ def rest_flags(
     quiet = (_spread(gyr, window) <= LARGEST_WOBBLE_RADPS) & (
         _spread(slow, window) <= LARGEST_SWAY_MPS2
     )
-    rest = np.zeros(len(acc) + 1, int)
-    starts = np.nonzero(quiet)[0]
-    np.add.at(rest, starts, 1)
-    np.add.at(rest, starts + window, -1)
-    return np.asarray(np.cumsum(rest[:-1]) > 0)
+    begun = np.zeros(len(acc) + window, np.intp)
+    begun[window : window + len(quiet)] = quiet
+    begun = np.cumsum(begun)
+    return np.asarray(begun[window:] > begun[:-window])
 
 
 def _spread(values: FloatArray, window: int) -> FloatArray:
     """Root mean square about the mean in each window that lies inside, by its first sample."""
-    centred = values - np.median(values, axis=0)
-    sums = np.vstack([np.zeros((1, 3)), np.cumsum(centred, axis=0)])
-    squares = np.r_[0.0, np.cumsum(np.einsum("ij,ij->i", centred, centred))]
-    mean = (sums[window:] - sums[:-window]) / window
-    mean_square = (squares[window:] - squares[:-window]) / window
-    return np.asarray(np.sqrt(np.maximum(mean_square - np.einsum("ij,ij->i", mean, mean), 0.0)))
+    x, y, z = (axis - axis.mean() for axis in values.T)
+    mean_square = _means(x**2 + y**2 + z**2, window)
+    square_mean = _means(x, window) ** 2 + _means(y, window) ** 2 + _means(z, window) ** 2
+    return np.asarray(np.sqrt(np.maximum(mean_square - square_mean, 0.0)))
+
+
+def _means(values: FloatArray, window: int) -> FloatArray:
+    """Mean of each window that lies inside."""
+    sums = np.zeros(len(values) + 1)
+    np.cumsum(values, out=sums[1:])
+    return (sums[window:] - sums[:-window]) / window
 
 
 class RestBlocks(NamedTuple):
@@ -293,6 +297,7 @@ def rest_offsets(
     sensors: Collection[str] | None = None,
     *,
     skip: Mapping[str, ArrayLike] | None = None,
+    rest: ArrayLike | None = None,
 ) -> dict[str, GyroscopeOffset]:
     """Offsets of the gyroscopes of one recording, from the times in which all its sensors rest.
 
@@ -303,6 +308,7 @@ def rest_offsets(
     recording : Recording
     sensors : names of those that move together with the device; all with a gyroscope if None
     skip : sensor to (n,) flags, the samples in which its gyroscope fails; none if None
+    rest : (n,) flags of :func:`common_rest` where they are known already
 
     Returns
     -------
@@ -318,11 +324,14 @@ def rest_offsets(
     else:
         names = list(sensors)
     rate, none = recording.sampling_rate_hz, np.zeros(len(recording), np.bool_)
-    rest = common_rest(recording, names, skip=skip)
+    if rest is None:
+        still = common_rest(recording, names, skip=skip)
+    else:
+        still = as_flags(rest, "rest", length=len(recording))
     found = {
         name: gyroscope_offset(
             recording.gyroscope(name),
-            rest & ~np.asarray((skip or {}).get(name, none), np.bool_),
+            still & ~np.asarray((skip or {}).get(name, none), np.bool_),
             rate,
         )
         for name in names

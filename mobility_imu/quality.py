@@ -120,7 +120,7 @@ def resolution_of(values: ArrayLike, *, skip: ArrayLike | None = None) -> Resolu
     values = _readings(values)
     change = np.abs(np.diff(values, axis=0))
     changed = change > 0
-    live = changed.any(axis=1)
+    live = np.logical_or.reduce(changed.T)
     if skip is not None:
         unused = np.asarray(skip, bool)
         live &= ~(unused[1:] | unused[:-1])
@@ -128,11 +128,11 @@ def resolution_of(values: ArrayLike, *, skip: ArrayLike | None = None) -> Resolu
     if not live.any():
         return Resolution(np.ones(axes), np.zeros(axes), 0)
     size = change[live].mean(axis=0)
-    activity = (change / np.where(size > 0, size, 1.0)).sum(axis=1)
+    activity = sum((change / np.where(size > 0, size, 1.0)).T)
     activity = ndimage.uniform_filter1d(activity, QUIET_SAMPLES, mode="nearest")
     places = np.nonzero(live)[0]
     count = min(len(places), max(FEWEST_PAIRS, int(QUIET_PAIRS * len(places))))
-    quiet = places[np.argsort(activity[places], kind="stable")[:count]]
+    quiet = places[_least(activity[places], count)]
     found, sizes = changed[quiet], change[quiet]
     repeats, step = np.empty(axes), np.zeros(axes)
     for k in range(axes):
@@ -145,6 +145,13 @@ def resolution_of(values: ArrayLike, *, skip: ArrayLike | None = None) -> Resolu
         elif changed[:, k].any():
             step[k] = np.percentile(change[changed[:, k], k], 10)
     return Resolution(repeats, step, count)
+
+
+def _least(values: FloatArray, count: int) -> NDArray[np.intp]:
+    """Places of the least values; of equal ones the first."""
+    most = np.partition(values, count - 1)[count - 1]
+    below, equal = np.flatnonzero(values < most), np.flatnonzero(values == most)
+    return np.concatenate([below, equal[: count - len(below)]])
 
 
 def same_as_before(values: ArrayLike) -> NDArray[np.bool_]:
@@ -170,7 +177,7 @@ def same_as_before(values: ArrayLike) -> NDArray[np.bool_]:
     """
     values = _readings(values)
     same = np.zeros(len(values), np.bool_)
-    same[1:] = (np.diff(values, axis=0) == 0).all(axis=1)
+    same[1:] = np.logical_and.reduce([axis[1:] == axis[:-1] for axis in values.T])
     return same
 
 
@@ -226,7 +233,7 @@ def frozen_samples(
     frozen = repeated.copy()
     step = resolution.step.max()
     if not resolution.all_coarse:
-        step = min(step, max(_smallest_steps(axis) for axis in values.T))
+        step = min(step, max(smallest_step(axis) for axis in values.T))
     for run in rests:
         least = max(FELT_STEPS * step, FELT_FRACTION * _length(values[run.start]))
         frozen[run] = any(np.ptp(one[run], axis=0).max() > least for one in expected)
@@ -259,7 +266,8 @@ def turned_gravity(
     rate = gyr - _quiet_rate(gyr, max(2, round(1 / step_s))) if len(gyr) else gyr
     turning = np.cross(rate, acc)
     along = np.abs(np.einsum("ni,ni->n", rate, acc))
-    turning[along > ABOUT_ITSELF * np.linalg.norm(rate, axis=1) * np.linalg.norm(acc, axis=1)] = 0
+    sizes = np.sqrt([np.einsum("ni,ni->n", vectors, vectors) for vectors in (rate, acc)])
+    turning[along > ABOUT_ITSELF * sizes.prod(axis=0)] = 0
     return np.cumsum(-turning * step_s, axis=0)
 
 
@@ -299,7 +307,7 @@ def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
     if not len(values):
         return cut
     size = np.abs(values)
-    limit = size.max(axis=0)
+    limit = np.array([axis.max() for axis in size.T])
     at_limit = np.column_stack([long_runs(axis, run, grow=False) for axis in (size == limit).T])
     if not at_limit.any():
         return cut
@@ -310,7 +318,7 @@ def saturated_samples(values: ArrayLike, *, run: int = 3) -> NDArray[np.bool_]:
     resolution = resolution_of(values, skip=at_limit.any(axis=1))
     for k, (axis, limit) in enumerate(zip(size.T, at_limit.T, strict=True)):
         # A sensor that never is quiet shows its steps by the values that it takes at all.
-        step = min(resolution.step[k], _smallest_steps(values[:, k]))
+        step = min(resolution.step[k], smallest_step(values[:, k]))
         for plateau in runs_of(limit):
             others = np.delete(np.arange(values.shape[1]), k)
             spread = np.ptp(values[plateau][:, others], axis=0)
@@ -348,14 +356,31 @@ def pinned_axes(values: ArrayLike) -> NDArray[np.bool_]:
     values = _readings(values)
     if not len(values):
         return np.zeros(values.shape[1], np.bool_)
-    size = np.abs(values)
-    often = (size == size.max(axis=0)).mean(axis=0) > OFTEN_AT_END
-    varied = np.array([len(np.unique(axis)) > VARIED_VALUES for axis in values.T])
-    return np.asarray(often & varied & (size.max(axis=0) > 0))
+    return np.array([_is_pinned(axis) for axis in values.T])
 
 
-def _smallest_steps(axis: FloatArray) -> float:
-    """How far apart the values of an axis are where they are closest; infinite for one value."""
+def _is_pinned(axis: FloatArray) -> bool:
+    size = np.abs(axis)
+    often = size.max() > 0 and (size == size.max()).mean() > OFTEN_AT_END
+    return bool(often and len(np.unique(axis)) > VARIED_VALUES)
+
+
+def smallest_step(axis: FloatArray) -> float:
+    """How far apart the values of an axis are where they are closest; infinite for one value.
+
+    Parameters
+    ----------
+    axis : (n,) array
+
+    Returns
+    -------
+    float, in the values' unit
+
+    Examples
+    --------
+    >>> smallest_step(np.array([0.5, 0.0, 1.5, 0.5]))
+    0.55
+    """
     apart = np.diff(np.unique(axis))
     return float(np.percentile(apart, 10)) if len(apart) else np.inf
 

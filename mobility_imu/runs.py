@@ -50,6 +50,8 @@ def long_runs(flags: ArrayLike, shortest: int, *, grow: bool) -> NDArray[np.bool
     flags = _flags(flags)
     starts, stops = _edges(flags)
     long = stops - starts >= shortest
+    if not long.any():
+        return np.zeros(len(flags), np.bool_)
     out = np.zeros(len(flags) + 1, int)
     np.add.at(out, np.maximum(starts[long] - grow, 0), 1)
     np.add.at(out, stops[long], -1)
@@ -86,5 +88,7 @@ def _flags(flags: ArrayLike) -> NDArray[np.bool_]:
 
 def _edges(flags: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Where runs start, and where they stop."""
-    edge = np.diff(np.r_[0, flags.astype(np.int8), 0])
-    return np.nonzero(edge == 1)[0], np.nonzero(edge == -1)[0]
+    within = np.zeros(len(flags) + 2, np.bool_)
+    within[1:-1] = flags
+    edges = np.flatnonzero(within[1:] != within[:-1])
+    return edges[::2], edges[1::2]

@@ -20,6 +20,7 @@ from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
 from mobility_imu.offsets import (
     UNKNOWN_OFFSET_SD_RADPS,
     GyroscopeOffset,
+    common_rest,
     merge_offsets,
     rest_offsets,
     without_offsets,
@@ -151,9 +152,14 @@ class SharedMotion(Result):
         return [s for s in SIDES if f"{s}_wheel" in self.names and f"{s}_wheel" not in self.mute]
 
     @cached_property
+    def rest(self) -> NDArray[np.bool_]:
+        """Samples in which all sensors rest."""
+        return common_rest(self.recording, self.names, skip=self.failed)
+
+    @cached_property
     def own_offsets(self) -> dict[str, GyroscopeOffset]:
         """Offsets by rests of the recording itself."""
-        return rest_offsets(self.recording, self.names, skip=self.failed)
+        return rest_offsets(self.recording, self.names, skip=self.failed, rest=self.rest)
 
     @cached_property
     def offsets(self) -> dict[str, GyroscopeOffset]:
@@ -222,14 +228,13 @@ class SharedMotion(Result):
         name = f"{side}_wheel"
         return np.asarray(self.rates[name][:, 2] - lean * self.yaw[name])
 
-    def spin_fit(self, side: Side) -> SpinFit | None:
-        """Spin by gravity against the gyroscope's.
-
-        Parameters
-        ----------
-        side : of the wheel
-        """
-        return spin_fit(self.forces[f"{side}_wheel"], self.spin(side), self.rate_hz)
+    @cached_property
+    def spin_fits(self) -> dict[Side, SpinFit | None]:
+        """Spin of each wheel by gravity against the gyroscope's."""
+        return {
+            side: spin_fit(self.forces[f"{side}_wheel"], self.spin(side), self.rate_hz)
+            for side in self.sides
+        }
 
     def offset_sd(self, name: str, axis: FloatArray) -> float:
         """Standard deviation of what an offset leaves along an axis of the sensor, rad/s.
@@ -242,11 +247,37 @@ class SharedMotion(Result):
         known = self.offsets.get(name)
         return UNKNOWN_OFFSET_SD_RADPS if known is None else known.sd_along(axis)
 
+    @cached_property
+    def _known_lags(self) -> dict[tuple[str, str, int, int | None], Lag | None]:
+        return {}
+
+    def lag(self, first: str, second: str, *, sign: int = 1, half: int | None = None) -> Lag | None:
+        """Lag of the yaw rate that one sensor knows after that of another one, found once.
+
+        Parameters
+        ----------
+        first, second : sensors
+        sign : -1 turns the second round
+        half : 0 or 1, which half of the drive; the whole if None
+        """
+        key, known = (first, second, sign, half), self._known_lags
+        if key not in known:
+            one, two = self.yaw[first], sign * self.yaw[second]
+            if half is not None:
+                one, two = (np.array_split(yaw, 2)[half] for yaw in (one, two))
+            known[key] = lag_between(one, two, self.rate_hz)
+        return known[key]
+
+    def _either_way(self, first: str, second: str) -> Lag | None:
+        """Lag, whatever the sign of one of the two."""
+        found = [self.lag(first, second, sign=sign) for sign in (1, -1)]
+        return max((lag for lag in found if lag), key=lambda lag: lag.correlation, default=None)
+
     def lags(self) -> dict[tuple[str, str], Lag]:
         """Lag of the second sensor of each pair after the first."""
         yaw, rates, found = self.yaw, self.rates, {}
         for first, second in combinations(yaw, 2):
-            lag = _either_way(yaw[first], yaw[second], self.rate_hz)
+            lag = self._either_way(first, second)
             if lag is not None and lag.correlation > ALIKE and self.turns(second):
                 found[first, second] = lag
         if len(self.sides) == 2:
@@ -271,12 +302,6 @@ class SharedMotion(Result):
         return bool(np.abs(self.yaw[name]).sum() / self.rate_hz > LEAST_TURNED_RAD)
 
 
-def _either_way(first: FloatArray, second: FloatArray, rate_hz: float) -> Lag | None:
-    """Lag, whatever the sign of one of the two."""
-    found = [lag_between(first, sign * second, rate_hz) for sign in (1, -1)]
-    return max((lag for lag in found if lag), key=lambda lag: lag.correlation, default=None)
-
-
 def gain_of(first: FloatArray, second: FloatArray, rate_hz: float) -> Gain | None:
     """Fit the second series by the first and a constant; scatter by whole pieces.
 
@@ -296,7 +321,8 @@ def gain_of(first: FloatArray, second: FloatArray, rate_hz: float) -> Gain | Non
     design = np.column_stack([first, np.ones(len(first))])
     used = np.ones(len(first), np.bool_)
     for _ in range(MOST_FITS):
-        found = np.linalg.lstsq(design[used], second[used], rcond=None)[0]
+        part = design.T * used
+        found = np.linalg.lstsq(part @ design, part @ second, rcond=None)[0]
         apart = np.abs(second - design @ found)
         before, used = used, apart <= max(3 * 1.48 * float(np.median(apart)), 0.02)
         if (used == before).all():
@@ -447,12 +473,11 @@ def lone_jumps(
     bends[1:-1] = np.linalg.norm(change, axis=1)
     felt = ndimage.maximum_filter1d(bends, 5)
     for axis in gyr_radps.T:
-        size = np.zeros(count)
-        size[1:-1] = np.abs(axis[1:-1] - (axis[:-2] + axis[2:]) / 2)
-        usual = ndimage.percentile_filter(size, 90, size=window)
         # Beside a lone reading the bend is half as large, the other way; at a kink it is zero.
         bend = np.zeros(count)
         bend[1:-1] = axis[1:-1] - (axis[:-2] + axis[2:]) / 2
+        size = np.abs(bend)
+        usual = ndimage.percentile_filter(size, 90, size=window)
         agree = np.zeros(count, np.bool_)
         agree[2:-2] = (np.abs(axis[3:-1] - axis[1:-3]) < size[2:-2] / 2) & (
             np.abs(bend[1:-3] + bend[2:-2] / 2) + np.abs(bend[3:-1] + bend[2:-2] / 2)

@@ -135,6 +135,8 @@ def find_faults(
     def estimate(one: Recording) -> dict[tuple[str, str], FloatArray]:
         return results(one, geometry, mount, settings, offsets)
 
+    if not found:
+        return ()
     one = _own(recording, geometry, mount, settings)
     known = [replace(f, repair=None) if _is_unpriced(one, f) else f for f in found]
     return tuple(
@@ -198,12 +200,13 @@ def sensor_faults(
     if recording.sampling_rate_hz < SLOWEST_HZ:
         copies = (fault for fault in examine(recording) if fault.code == "copy")
         return (*copies, _slow_clock(recording))
-    found = list(_of_one_sensor(recording, geometry, mount, settings))
+    one = _own(recording, geometry, mount, settings)
+    found = list(_of_one_sensor(one))
     if any(fault.code == "copy" for fault in found):
         return tuple(found)
     if recording.time_s[-1] - recording.time_s[0] < SHORTEST_S:
         return tuple(found)
-    shared = _shared_motion(recording, found, geometry, mount, settings, given)
+    shared = _shared_motion(one, found, settings, given)
     if not shared.sides or "frame" not in shared.names:
         return tuple(found)
     looked: list[Fault] = []
@@ -219,8 +222,8 @@ def sensor_faults(
         if any(fault.code == "exchanged" for fault in mending):
             # What each sensor shows by itself, and what replaces it, goes by the right names now.
             named = repaired_where_possible(looked, recording)
-            own = _of_one_sensor(named, geometry, mount, settings)
-            shared = _shared_motion(named, own, geometry, mount, settings, shared.given)
+            one = _own(named, geometry, mount, settings)
+            shared = _shared_motion(one, _of_one_sensor(one), settings, shared.given)
         elif mending:
             mended = repaired_where_possible(mending, shared.recording)
             shared = replace(shared, recording=mended)
@@ -228,24 +231,22 @@ def sensor_faults(
 
 
 def _shared_motion(
-    recording: Recording,
+    one: _Own,
     own: Iterable[Fault],
-    geometry: WheelchairGeometry,
-    mount: WheelchairMount,
     settings: VelocitySettings,
     given: Mapping[str, GyroscopeOffset],
 ) -> SharedMotion:
     """Motion by a recording in which what each sensor shows by itself is mended."""
-    own, failed = list(own), _failed(recording, geometry, mount)
+    own, failed = list(own), one.failed
     mute = {name for name, flags in failed.items() if flags.mean() > MUTE_PART}
     blind = frozenset(_long_lost(own, "acc", "dead axis", "frozen"))
     # The frame knows its yaw rate without gravity; where gyroscopes are frozen is known better.
     mute |= _long_lost(own, "gyr", "dead axis") | (blind - {"frame"})
     touched = np.any([f.flags for f in own if not f.flags.all()] + [*failed.values()], axis=0)
     return SharedMotion(
-        repaired_where_possible(own, recording),
-        geometry,
-        mount,
+        repaired_where_possible(own, one.recording),
+        one.geometry,
+        one.mount,
         given,
         failed,
         settings,
@@ -272,14 +273,6 @@ def _slow_clock(recording: Recording) -> Fault:
     )  # fmt: skip
 
 
-def _failed(
-    recording: Recording, geometry: WheelchairGeometry, mount: WheelchairMount
-) -> dict[str, NDArray[np.bool_]]:
-    names = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
-    names = [name for name in names if name in CHAIR]
-    return failed_gyroscopes(recording, names, mount, geometry)
-
-
 class _Own(NamedTuple):
     """A recording whose sensors are looked at one by one, and where their gyroscopes fail."""
 
@@ -297,8 +290,9 @@ def _own(
     mount: WheelchairMount,
     settings: VelocitySettings,
 ) -> _Own:
-    failed = _failed(recording, geometry, mount)
     works = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
+    chair = [name for name in works if name in CHAIR]
+    failed = failed_gyroscopes(recording, chair, mount, geometry)
     lost = unreplaced(failed, works) if settings.form == "corrected" else failed
     return _Own(recording, geometry, mount, failed, lost)
 
@@ -317,15 +311,10 @@ def _is_replaced(one: _Own, fault: Fault) -> bool:
     return sensor not in one.lost or not (fault.flags & one.lost[sensor]).any()
 
 
-def _of_one_sensor(
-    recording: Recording,
-    geometry: WheelchairGeometry,
-    mount: WheelchairMount,
-    settings: VelocitySettings,
-) -> Iterator[Fault]:
+def _of_one_sensor(one: _Own) -> Iterator[Fault]:
     """What any recording shows; lone jumps; and better ways to undo what a gyroscope lost."""
-    one = _own(recording, geometry, mount, settings)
-    failed, found = one.failed, list[Fault]()
+    recording, geometry, mount, failed, _ = one
+    found = list[Fault]()
     for fault in examine(recording):
         sensor, half = _parts(fault.sensor)
         if fault.code == "reversed":

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.frames import FloatArray
+from mobility_imu.runs import changes_of
 
-__all__ = ["fit_by_pieces", "pieces_of"]
+__all__ = ["covariance_by_pieces", "fit_by_pieces", "pieces_of"]
 
 
 def pieces_of(count: int, length_s: float, rate_hz: float) -> NDArray[np.int64]:
@@ -40,9 +41,6 @@ def fit_by_pieces(
 ) -> tuple[FloatArray, FloatArray]:
     """Least squares, and its covariance from the scatter of whole pieces of residuals.
 
-    Of G pieces and k unknowns, the covariance has the factor G / (G - k): few pieces are fitted too
-    well by chance.
-
     Parameters
     ----------
     design : (n, k) array
@@ -55,9 +53,29 @@ def fit_by_pieces(
     covariance : (k, k) array
     """
     found = np.asarray(np.linalg.lstsq(design, target, rcond=None)[0], float)
-    scores = design * (target - design @ found)[:, None]
-    starts = np.nonzero(np.diff(piece, prepend=piece[0] - 1))[0]
-    sums = np.add.reduceat(scores, starts, axis=0)
+    return found, covariance_by_pieces(design, target - design @ found, piece)
+
+
+def covariance_by_pieces(
+    design: FloatArray, residual: FloatArray, piece: NDArray[np.int64]
+) -> FloatArray:
+    """Covariance of a least-squares fit from the scatter of whole pieces of its residuals.
+
+    Of G pieces and k unknowns, the covariance has the factor G / (G - k): few pieces are fitted too
+    well by chance.
+
+    Parameters
+    ----------
+    design : (n, k) array
+    residual : (n,) array, of the fit
+    piece : (n,) int array, ascending, from :func:`pieces_of`; pieces may lack samples
+
+    Returns
+    -------
+    (k, k) array
+    """
+    starts = changes_of(piece)
+    sums = np.add.reduceat(design * residual[:, None], starts, axis=0)
     bread = np.linalg.pinv(design.T @ design)
     unexplained = max(len(starts) - design.shape[1], 1)
-    return found, bread @ (sums.T @ sums) @ bread * len(starts) / unexplained
+    return np.asarray(bread @ (sums.T @ sums) @ bread * len(starts) / unexplained)

@@ -170,15 +170,14 @@ def _sign(first: FloatArray, second: FloatArray, rate_hz: float) -> int:
 def _fitting_signs(w: SharedMotion) -> tuple[float, ...] | None:
     """Signs of the frame's axes with which its yaw rate fits; None if the stated ones do."""
     assert w.by_gravity is not None
+    stated = gain_of(w.by_gravity, w.yaw["frame"], w.rate_hz)
+    if stated is None or abs(stated.gain - 1) < LEAST_FLIP:
+        return None
+    lag = lag_between(w.by_gravity, w.yaw["frame"], w.rate_hz)
+    if lag is not None and round(lag.lag_s * w.rate_hz):
+        return None
     speeds = w.by_speeds
     if speeds is not None and _sign(w.by_gravity, speeds, w.rate_hz) < 0:
-        return None
-    stated = gain_of(w.by_gravity, w.yaw["frame"], w.rate_hz)
-    lag = lag_between(w.by_gravity, w.yaw["frame"], w.rate_hz)
-    late = 0 if lag is None else round(lag.lag_s * w.rate_hz)
-    if late:
-        return None
-    if stated is None or abs(stated.gain - 1) < LEAST_FLIP:
         return None
     axis = w.mount.rotation_frame_imu_to_chair[2]
     gyr = w.at_rest.gyroscope("frame")

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy import fft
 
 from mobility_imu.frames import FloatArray, as_number, as_series
-from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
+from mobility_imu.wheelchair.fits import covariance_by_pieces, pieces_of
 
 __all__ = ["Lag", "lag_between"]
 
@@ -64,7 +64,7 @@ def lag_between(first: ArrayLike, second: ArrayLike, sampling_rate_hz: float) ->
     one, two = one - one.mean(), two - two.mean()
     if not one.any() or not two.any():
         return None
-    size = fft.next_fast_len(2 * len(one))
+    size = fft.next_fast_len(len(one) + reach, real=True)
     product = fft.irfft(np.conj(fft.rfft(one, size)) * fft.rfft(two, size), size)
     steps = np.arange(-reach, reach + 1)
     products = product[steps]
@@ -83,10 +83,11 @@ def lag_between(first: ArrayLike, second: ArrayLike, sampling_rate_hz: float) ->
         best += more
     if min(np.ptp(early), np.ptp(late)) < LEAST_CHANGE:
         return None
-    _, covariance = fit_by_pieces(design, late, pieces_of(len(early), PIECE_S, rate))
     correlation = float(np.corrcoef(early, late)[0, 1])
     if not correlation > LEAST_CORRELATION or abs(rest) * rate > 1:
         return None
+    residual = late - design @ found
+    covariance = covariance_by_pieces(design, residual, pieces_of(len(early), PIECE_S, rate))
     return Lag(best / rate + rest, float(np.sqrt(covariance[1, 1]) / found[0]), correlation)
 
 

@@ -15,13 +15,11 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from mobility_imu.faults import Fault
-from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.runs import runs_of
 from mobility_imu.wheelchair.contradictions import SharedMotion, gain_of
 from mobility_imu.wheelchair.fits import pieces_of
-from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.recovery import replaced
 from mobility_imu.wheelchair.wheel_faults import drift_between
 
@@ -77,7 +75,7 @@ def at_odds_in_part(w: SharedMotion) -> Iterator[Fault]:
     """
     for first, second in combinations(w.yaw, 2):
         raw = w.yaw[second] - w.yaw[first]
-        left = _aligned(w.yaw[first], w.yaw[second], w.rate_hz) - w.yaw[first]
+        left = _aligned(w, first, second) - w.yaw[first]
         if np.abs(left).mean() < EXPLAINED * np.abs(raw).mean():
             return
         drift = drift_between(w, second, first)
@@ -105,10 +103,10 @@ def still_at_odds_in_part(w: SharedMotion) -> Iterator[Fault]:
         return
     piece = pieces_of(len(w.recording), PIECE_S, w.rate_hz)
     count = int(piece[-1]) + 1
-    clear = ~np.array([w.spoiled[piece == k].any() for k in range(count)])
+    clear = np.bincount(piece, w.spoiled, count) == 0
     if clear.sum() < FEWEST_PIECES:
         return
-    rates = {name: _with_sign_of(w.yaw["frame"], yaw, w.rate_hz) for name, yaw in w.yaw.items()}
+    rates = {name: _with_sign_of(w, "frame", name) for name in w.yaw}
     turn = np.min([_by_piece(yaw, piece, count) for yaw in rates.values()], axis=0)
     found = {name: (np.zeros(count, np.bool_), np.zeros(count, np.bool_), 0.0) for name in rates}
     for smooth_s, floor in ((SMOOTH_S, LEAST_RADPS), (0.0, LEAST_NOISE_RADPS)):
@@ -152,27 +150,28 @@ def _told(w: SharedMotion, name: str, flags: NDArray[np.bool_], size: float) -> 
     )  # fmt: skip
 
 
-def _aligned(first: FloatArray, second: FloatArray, rate_hz: float) -> FloatArray:
+def _aligned(w: SharedMotion, first: str, second: str) -> FloatArray:
     """Second of two yaw rates without a lag, a factor and a constant of the whole drive."""
-    lag = lag_between(first, second, rate_hz)
+    yaw, lag = w.yaw[second], w.lag(first, second)
     if lag is not None and lag.correlation > ALIKE:
-        at = np.arange(len(first))
-        second = np.interp(at + lag.lag_s * rate_hz, at, second)
-    gain = gain_of(first, second, rate_hz)
+        at = np.arange(len(yaw))
+        yaw = np.interp(at + lag.lag_s * w.rate_hz, at, yaw)
+    gain = gain_of(w.yaw[first], yaw, w.rate_hz)
     if gain is not None and gain.correlation > ALIKE and abs(gain.gain) > EXPLAINED:
-        second = (second - gain.constant_radps) / gain.gain
-    return second
+        yaw = (yaw - gain.constant_radps) / gain.gain
+    return yaw
 
 
-def _with_sign_of(first: FloatArray, second: FloatArray, rate_hz: float) -> FloatArray:
+def _with_sign_of(w: SharedMotion, first: str, second: str) -> FloatArray:
     """Second yaw rate, turned round where it surely goes against the first: a mirrored sensor."""
-    found = [lag_between(first, sign * second, rate_hz) for sign in (1, -1)]
+    found = (w.lag(first, second, sign=sign) for sign in (1, -1))
     with_it, against = (0.0 if lag is None else lag.correlation for lag in found)
-    return -second if against > with_it else second
+    return -w.yaw[second] if against > with_it else w.yaw[second]
 
 
 def _by_piece(values: FloatArray, piece: NDArray[np.int64], count: int) -> FloatArray:
-    return np.array([rms(values[piece == k]) for k in range(count)])
+    """Root mean square of each piece."""
+    return np.asarray(np.sqrt(np.bincount(piece, values**2, count) / np.bincount(piece)))
 
 
 def _that_last(

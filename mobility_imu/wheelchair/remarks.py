@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mobility_imu.frames import FloatArray
 from mobility_imu.offsets import GyroscopeOffset
-from mobility_imu.quality import resolution_of
+from mobility_imu.quality import resolution_of, smallest_step
 from mobility_imu.readers.wording import listed
 from mobility_imu.recording import Recording
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
@@ -108,11 +108,6 @@ def backward(
     )
 
 
-def _smallest_step(axis: FloatArray) -> float:
-    apart = np.diff(np.unique(axis))
-    return float(np.percentile(apart, 10)) if len(apart) else 0.0
-
-
 def coarse_steps(
     recording: Recording,
     names: Collection[str],
@@ -136,8 +131,12 @@ def coarse_steps(
         gyr = recording.gyroscope(name)
         seen = resolution_of(gyr, skip=failed.get(name))
         # Changes of a sensor that never is quiet are larger than its steps.
-        steps = np.minimum(seen.step, [_smallest_step(axis) for axis in gyr.T])
-        steps = np.where(seen.coarse, steps, 0.0)
+        steps = np.array(
+            [
+                min(step, smallest_step(axis)) if coarse else 0.0
+                for step, axis, coarse in zip(seen.step, gyr.T, seen.coarse, strict=True)
+            ]
+        )
         if steps.any():
             found[name] = steps
     return found

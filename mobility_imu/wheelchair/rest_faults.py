@@ -20,7 +20,6 @@ from mobility_imu.offsets import (
     LARGE_OFFSET_RADPS,
     LARGE_SD_RADPS,
     GyroscopeOffset,
-    common_rest,
     offset_warnings,
     rest_blocks,
 )
@@ -114,11 +113,10 @@ def rests(w: SharedMotion) -> dict[str, tuple[FloatArray, FloatArray]]:
     -------
     dict from sensor to their times, in samples, (m,), and means, (m, 3), rad/s
     """
-    rest = common_rest(w.recording, w.names, skip=w.failed)
     found: dict[str, tuple[FloatArray, FloatArray]] = {}
     for name in w.names:
-        works = ~w.failed[name] if name in w.failed else np.ones(len(rest), np.bool_)
-        blocks = rest_blocks(w.recording.gyroscope(name), rest & works, w.rate_hz)
+        rest = w.rest & ~w.failed[name] if name in w.failed else w.rest
+        blocks = rest_blocks(w.recording.gyroscope(name), rest, w.rate_hz)
         if name not in w.mute:
             found[name] = np.asarray(blocks.first + blocks.length / 2, float), blocks.mean_radps
     return found

@@ -26,7 +26,7 @@ from mobility_imu.recording import Recording
 from mobility_imu.wheelchair.contradictions import SharedMotion, axle_of, gain_of
 from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
 from mobility_imu.wheelchair.geometry import SIDES, Side
-from mobility_imu.wheelchair.lags import Lag, lag_between
+from mobility_imu.wheelchair.lags import Lag
 from mobility_imu.wheelchair.recovery import tied_rate
 from mobility_imu.wheelchair.rest_faults import FEWEST_BLOCKS, rests
 from mobility_imu.wheelchair.sign_faults import APART, GO_TOGETHER, correlation_of, reads_gravity
@@ -195,7 +195,7 @@ def other_spins(w: SharedMotion) -> Iterator[Fault]:
     Fault
     """
     for side in w.sides:
-        fit, name = w.spin_fit(side), f"{side}_wheel"
+        fit, name = w.spin_fits[side], f"{side}_wheel"
         if reads_gravity(w, name):
             yield fault_of(
                 w.recording, "reversed", f"{name}_acc", np.ones(len(w.recording), np.bool_),
@@ -296,10 +296,12 @@ def late(w: SharedMotion) -> Iterator[Fault]:
 def _drift_of(w: SharedMotion, name: str, names: Sequence[str]) -> tuple[float, float] | None:
     """Lags of a sensor at both ends, if it drifts against two others that do not drift."""
     others = [one for one in names if one != name]
-    found = [drift_between(w, name, other) for other in others]
-    if len(others) < 2 or None in found or drift_between(w, *others) is not None:
+    if len(others) < 2:
         return None
-    return found[0]
+    drift = drift_between(w, name, others[0])
+    if drift is None or drift_between(w, name, others[1]) is None:
+        return None
+    return drift if drift_between(w, *others) is None else None
 
 
 def drift_between(w: SharedMotion, name: str, other: str) -> tuple[float, float] | None:
@@ -317,13 +319,7 @@ def drift_between(w: SharedMotion, name: str, other: str) -> tuple[float, float]
     """
     if len(w.recording) < 2 * FEWEST_PIECES * PIECE_S * w.rate_hz:
         return None
-    halves = [
-        lag_between(first, second, w.rate_hz)
-        for first, second in zip(
-            np.array_split(w.yaw[other], 2), np.array_split(w.yaw[name], 2), strict=True
-        )
-    ]
-    early, late = halves
+    early, late = (w.lag(other, name, half=half) for half in (0, 1))
     if early is None or late is None or min(early.correlation, late.correlation) < GO_TOGETHER:
         return None
     grows, sd = late.lag_s - early.lag_s, float(np.hypot(early.sd_s, late.sd_s))
@@ -374,7 +370,7 @@ def wrong_scales(w: SharedMotion) -> Iterator[Fault]:
     """
     wrong: dict[str, tuple[float, float]] = {}
     for side in w.sides:
-        fit, name = w.spin_fit(side), f"{side}_wheel"
+        fit, name = w.spin_fits[side], f"{side}_wheel"
         if fit is None or fit.factor <= 0 or name in w.failed:
             continue
         error, sd = fit.scale(w.offset_sd(name, w.mount.rotation_imu_to_wheel(side)[2]))
@@ -473,9 +469,8 @@ def wrong_offsets(w: SharedMotion) -> Iterator[Fault]:
     by_side = {"left": -apart / radius.left, "right": apart / radius.right}
     if abs(apart) <= max(LEAST_OFFSET_RADPS * min(radius), SURE * sd):
         return
-    fits = {side: w.spin_fit(side) for side in w.sides}
     misfit = dict.fromkeys(w.sides, 0.0)
-    for side, fit in fits.items():
+    for side, fit in w.spin_fits.items():
         if fit is None or fit.factor <= 0:
             continue
         offset, offset_sd = fit.offset(FACTORY_SCALE_SD)
