@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import pairwise, product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,6 @@ from scipy import ndimage
 from mobility_imu.frames import FloatArray
 from mobility_imu.rotations import cross_matrix
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.geometry import rotation_world_to_imu
 
 __all__ = [
     "HalvesFit",
@@ -66,6 +65,8 @@ TINY = 1e-300
 NO_TURN = np.zeros(3)
 UP = np.array([0.0, 0.0, 1.0])
 NO_ERROR = np.array([0.0, 1.0, *[0.0] * 6])
+OFFSETS = [2, 3, 4]
+"""Numbers of the accelerometer's offsets among the errors of the fit."""
 USUAL_ERRORS = np.array([LARGEST_LAG_S, 1.0, *[0.2] * 3, *[0.01] * 3])
 """Sizes of lag, scale, the accelerometer's offset (20 mg) and the gyroscope's axes against the
 accelerometer's (1 %, data sheets of cheap sensors). The last two are fitted so that they do not
@@ -82,6 +83,9 @@ MUCH = 8.0
 17.6 without a gyroscope, and 1.7 to 4.8 with a sound one."""
 ROUNDS = 3
 """Steps of Gauss and Newton after the grid; the third moves by less than an error."""
+
+
+ComplexArray = NDArray[np.complexfloating[Any, Any]]
 
 
 class Readings(NamedTuple):
@@ -145,12 +149,10 @@ class Moves(NamedTuple):
 class _Attitudes(NamedTuple):
     """Quaternions as pairs of complex numbers, w + x i and y + z i, which multiply fastest."""
 
-    first: NDArray[np.complex128]
-    second: NDArray[np.complex128]
+    first: ComplexArray
+    second: ComplexArray
 
-    def times(
-        self, first: NDArray[np.complex128], second: NDArray[np.complex128]
-    ) -> _Attitudes:
+    def times(self, first: ComplexArray, second: ComplexArray) -> _Attitudes:
         """Product with other quaternions."""
         return _Attitudes(
             self.first * first - self.second * second.conj(),
@@ -358,10 +360,8 @@ def fit_halves(readings: Readings) -> HalvesFit:
     if len(batch.spans) < FEWEST_MOVES:
         return UNSEEN
 
-    def rows(
-        factors: ArrayLike, lag_s: float = 0.0, offset: ArrayLike = 0.0, askew: ArrayLike = NO_TURN
-    ) -> FloatArray:
-        return batch.misfit(batch.turned(factors, lag_s, askew), offset) / SIZES
+    def rows(factors: ArrayLike, lag_s: float = 0.0) -> FloatArray:
+        return np.asarray(batch.misfit(batch.turned(factors, lag_s)) / SIZES)
 
     without, stated = _size(rows(0.0)), _size(rows(1.0))
     choices = [np.array(signs) for signs in product((1.0, -1.0), repeat=3)][1:]
@@ -377,7 +377,7 @@ def fit_halves(readings: Readings) -> HalvesFit:
         return batch.turned(errors[1], float(errors[0]), errors[5:8])
 
     def at(errors: FloatArray, attitudes: _Attitudes) -> FloatArray:
-        return batch.misfit(attitudes, errors[2:5]) / SIZES
+        return np.asarray(batch.misfit(attitudes, errors[OFFSETS]) / SIZES)
 
     for _ in range(ROUNDS):
         # A lag is taken in whole samples: its slope comes from some of them.
@@ -386,14 +386,15 @@ def fit_halves(readings: Readings) -> HalvesFit:
         )
         steps[1] = min(steps[1], found[1] / 4)
         found[0] = round(found[0] * readings.rate_hz) / readings.rate_hz
-        here = turned(found)
-        slopes = []
+        here, slopes = turned(found), []
         for k, step in enumerate(steps):
-            more, less = found + step * np.eye(8)[k], found - step * np.eye(8)[k]
+            more, less = found.copy(), found.copy()
+            more[k] += step
+            less[k] -= step
             # An offset of the accelerometer turns nothing.
-            of_more, of_less = (here, here) if k in (2, 3, 4) else (turned(more), turned(less))
+            of_more, of_less = (here, here) if k in OFFSETS else (turned(more), turned(less))
             slopes.append((at(more, of_more) - at(less, of_less)) / (2 * step))
-        change, sd = _step(at(found, here), np.stack(slopes), found)
+        change, sd = _step(at(found, here), np.array(slopes), found)
         found = np.clip(found + change, LEAST, MOST)
     left = _size(at(found, turned(found)))
     if left > CLEARLY * without:
