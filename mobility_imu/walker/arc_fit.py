@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
+from scipy.fft import irfft, next_fast_len, rfft
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
@@ -29,6 +29,8 @@ LEAST_TURN_RAD = float(np.deg2rad(1))
 TOLERANCE = 1e-3
 """Largest entry by which a matrix times its transpose may miss the identity, as that of
 :func:`~mobility_imu.frames.as_rotation`."""
+LEAST_SINE = 1e-9
+"""Twice the sine of an angle, below which rounding decides about the axis."""
 LARGEST_SIZE = 1e9
 """Of a position, m, and of a noise, above which squares lose their meaning."""
 
@@ -79,10 +81,11 @@ def fit_arc(position_m: ArrayLike, rotation_imu_to_world: ArrayLike) -> ArcFit:
     count = len(position)
     _check_size("position_m", float(np.abs(position).max(initial=0.0)))
     axis, basis, design = _linear_model(rotation_imu_to_world, count)
-    solution, *_ = np.linalg.lstsq(design, position.ravel(), rcond=None)
+    normal = design.T @ design
+    solution = np.linalg.solve(normal, design.T @ position.ravel())
     residual = (position.ravel() - design @ solution).reshape(-1, 3)
     variance = float(np.sum(residual**2)) / (3 * count - 5) * _correlated_samples(residual)
-    spread = variance * np.linalg.inv(design.T @ design)[3:, 3:]
+    spread = variance * np.linalg.inv(normal)[3:, 3:]
     return ArcFit(
         axis,
         basis @ solution[3:],
@@ -109,26 +112,38 @@ def _linear_model(
     _check_rotations(attitude)
     if count < 3:
         raise InputError(f"position_m: {count} sample(s), expected at least 3")
-    turns = Rotation.from_matrix(attitude[0].T @ attitude).as_rotvec()
+    turns = _rotation_vectors(attitude[0].T @ attitude)
     largest = float(np.linalg.norm(turns, axis=1).max())
     if largest < LEAST_TURN_RAD:
         raise InputError(
             f"rotation_imu_to_world: turns by {np.rad2deg(largest):.2g} deg, expected 1 deg or more"
         )
-    _, _, directions = np.linalg.svd(turns, full_matrices=False)
-    axis = directions[0] * np.sign(np.sum(turns @ directions[0]))
+    _, directions = np.linalg.eigh(turns.T @ turns)
+    axis = directions[:, 2] * np.sign(np.sum(turns @ directions[:, 2]))
     # Two unknown components of the arm, in a basis at right angles to the axis.
-    basis = directions[1:3].T
+    basis = directions[:, :2]
     design = np.zeros((3 * count, 5))
     design[:, :3] = np.tile(np.eye(3), (count, 1))
     design[:, 3:] = (attitude @ basis).reshape(-1, 2)
     return axis, basis, design
 
 
+def _rotation_vectors(turn: FloatArray) -> FloatArray:
+    """Angle times axis of rotations (n, 3, 3); of a half turn, which has two axes, nearly zero."""
+    # The antisymmetric part is the sine times the axis, the trace 1 + 2 cosines.
+    across = np.column_stack([
+        turn[:, 2, 1] - turn[:, 1, 2],
+        turn[:, 0, 2] - turn[:, 2, 0],
+        turn[:, 1, 0] - turn[:, 0, 1],
+    ])  # fmt: skip
+    twice_sine = np.linalg.norm(across, axis=1)
+    angle = np.arctan2(twice_sine, np.trace(turn, axis1=1, axis2=2) - 1)
+    return np.asarray(across * (angle / np.maximum(twice_sine, LEAST_SINE))[:, None])
+
+
 def _check_rotations(attitude: FloatArray) -> None:
     """Check that each matrix is a rotation; all at once, and those that look odd one by one."""
-    large = np.abs(attitude).max(axis=(1, 2)) > 2  # of these no product is formed
-    small = np.where(large[:, None, None], 0.0, attitude)
+    small = np.clip(attitude, -2, 2)  # no rotation either way, and the products stay finite
     off = np.abs(small @ np.swapaxes(small, 1, 2) - np.eye(3)).max(axis=(1, 2))
     for k in np.flatnonzero((off > TOLERANCE) | (np.linalg.det(small) < 0)):
         as_rotation(attitude[k], f"rotation_imu_to_world[{k}]", tolerance=TOLERANCE)
@@ -218,8 +233,9 @@ def _sum_of_later(values: FloatArray) -> FloatArray:
 def _correlated_samples(residual: FloatArray) -> float:
     """How many neighbouring samples count as one: the integrated autocorrelation, at least 1."""
     count = len(residual)
-    spectrum = np.abs(np.fft.rfft(residual, 2 * count, axis=0)) ** 2
-    products = np.fft.irfft(spectrum.sum(axis=1))[:count]
+    padded = next_fast_len(2 * count, real=True)
+    spectrum = np.abs(rfft(residual, padded, axis=0)) ** 2
+    products = irfft(spectrum.sum(axis=1), padded)[:count]
     if not products[0] > 0:
         return 1.0
     correlation = products / products[0]

@@ -248,8 +248,9 @@ def _faulty_samples(
     """Samples with accelerometer, gyroscope at the end of their range, and all faults' warnings."""
     acc, gyr = recording.sensor("frame").acc_mps2, recording.gyroscope("frame")
     # A sensor that seldom moves repeats its largest value by rounding; a range ends far out.
-    cut_acc = saturated_samples(acc) & (np.abs(acc).max(axis=1) > 15.0)
-    cut_gyr = saturated_samples(gyr) & (np.abs(gyr).max(axis=1) > 3.0)
+    cut_acc, cut_gyr = saturated_samples(acc), saturated_samples(gyr)
+    cut_acc[cut_acc] = np.abs(acc[cut_acc]).max(axis=1) > 15.0
+    cut_gyr[cut_gyr] = np.abs(gyr[cut_gyr]).max(axis=1) > 3.0
     warnings = [
         f"{recording.source}: frame_{name} is saturated in {int(cut.sum())} samples, first at "
         f"{recording.time_s[np.argmax(cut)]:g} s: speed and path are uncertain from there to the "

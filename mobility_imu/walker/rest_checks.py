@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import pairwise, product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,6 @@ from scipy import ndimage
 from mobility_imu.frames import FloatArray
 from mobility_imu.rotations import cross_matrix
 from mobility_imu.runs import long_runs, runs_of
-from mobility_imu.walker.geometry import rotation_world_to_imu
 
 __all__ = [
     "HalvesFit",
@@ -62,9 +61,12 @@ as of a frame that is rolled and never tilts, leave them as they are. Our choice
 HUBER = 1.5
 """Moves count less beyond so many medians of all lengths. Huber's constant is 1.345 standard
 deviations for one number; of six normal ones 6 % are longer than this."""
+TINY = 1e-300
 NO_TURN = np.zeros(3)
 UP = np.array([0.0, 0.0, 1.0])
 NO_ERROR = np.array([0.0, 1.0, *[0.0] * 6])
+OFFSETS = [2, 3, 4]
+"""Numbers of the accelerometer's offsets among the errors of the fit."""
 USUAL_ERRORS = np.array([LARGEST_LAG_S, 1.0, *[0.2] * 3, *[0.01] * 3])
 """Sizes of lag, scale, the accelerometer's offset (20 mg) and the gyroscope's axes against the
 accelerometer's (1 %, data sheets of cheap sensors). The last two are fitted so that they do not
@@ -81,6 +83,9 @@ MUCH = 8.0
 17.6 without a gyroscope, and 1.7 to 4.8 with a sound one."""
 ROUNDS = 3
 """Steps of Gauss and Newton after the grid; the third moves by less than an error."""
+
+
+ComplexArray = NDArray[np.complexfloating[Any, Any]]
 
 
 class Readings(NamedTuple):
@@ -141,6 +146,43 @@ class Moves(NamedTuple):
         return np.asarray(np.hypot(self.misfit[:, 3], self.misfit[:, 4]))
 
 
+class _Attitudes(NamedTuple):
+    """Quaternions as pairs of complex numbers, w + x i and y + z i, which multiply fastest."""
+
+    first: ComplexArray
+    second: ComplexArray
+
+    def times(self, first: ComplexArray, second: ComplexArray) -> _Attitudes:
+        """Product with other quaternions."""
+        return _Attitudes(
+            self.first * first - self.second * second.conj(),
+            self.first * second + self.second * first.conj(),
+        )
+
+    def part(self, samples: slice) -> _Attitudes:
+        """Those of some samples of each move."""
+        return _Attitudes(self.first[:, samples], self.second[:, samples])
+
+    def running_products(self) -> _Attitudes:
+        """Product of each and all before it: of pairs first, then of the single ones after them."""
+        count = self.first.shape[1]
+        if count == 1:
+            return self
+        pairs = self.part(slice(0, count - 1, 2)).times(*self.part(slice(1, None, 2)))
+        pairs = pairs.running_products()
+        singles = pairs.part(slice((count - 1) // 2)).times(*self.part(slice(2, None, 2)))
+        result = _Attitudes(self.first.copy(), self.second.copy())
+        for whole, of_pairs, of_singles in zip(result, pairs, singles, strict=True):
+            whole[:, 1::2], whole[:, 2::2] = of_pairs, of_singles
+        return result
+
+    def applied(self, vectors: FloatArray) -> FloatArray:
+        """Vectors (m, n, 3) turned: q v q*."""
+        half = self.times(1j * vectors[..., 0], vectors[..., 1] + 1j * vectors[..., 2])
+        first, second = half.times(self.first.conj(), -self.second)
+        return np.stack([first.imag, second.real, second.imag], axis=-1)
+
+
 class _Batch:
     """Moves of a recording side by side, each padded with its last sample to the longest one."""
 
@@ -178,65 +220,64 @@ class _Batch:
         clock = readings.time_s[self.index]
         self.step = np.diff(clock, axis=1)
         seconds = clock[:, -1:] - clock[:, :1]
-        self.part = (clock - clock[:, :1]) / np.maximum(seconds, 1e-9)
+        part = (clock - clock[:, :1]) / np.maximum(seconds, 1e-9)
+        # Velocity and height are sums over the force by the trapezoidal rule. The height's weighs a
+        # force by the time that its velocity lasts, less half the move's: what is left of the
+        # velocity at the end is spread evenly.
+        lasts = seconds * (1 - part[:, 1:] - part[:, :-1]) / 2
+        between = np.stack([self.step, self.step * lasts], axis=1) / 2
+        self.weights = np.zeros((len(pairs), 2, longest))
+        self.weights[:, :, 1:] += between
+        self.weights[:, :, :-1] += between
+        powers = np.stack([np.ones_like(part), part, part**2], axis=-1)
+        self.moments = self.weights @ powers
         self.force = acc[self.index]
         self.count, self.rate_hz = len(readings.time_s), rate_hz
-        self.rates = readings.gyr_radps - readings.offset()
+        rates = np.pad(readings.gyr_radps - readings.offset(), ((1, 1), (0, 0)), mode="edge")
+        self.rates = (rates[1:] + rates[:-1]) / 2
 
-    def misfit(
-        self,
-        factors: ArrayLike = 1.0,
-        lag_s: float = 0.0,
-        offset_mps2: ArrayLike = 0.0,
-        askew_rad: ArrayLike = NO_TURN,
-    ) -> FloatArray:
-        """Misfits (m, 6) with errors of the sensor taken back.
-
-        The rates are multiplied and come late by some time, an offset is added to the force, and
-        the gyroscope's axes are turned against the accelerometer's.
+    def misfit(self, turned: _Attitudes, offset_mps2: ArrayLike = 0.0) -> FloatArray:
+        """Misfits (m, 6) with attitudes of :meth:`turned`, and an offset added to the force.
 
         The tilt's misfit is spread evenly over its move before the velocity is summed up, the
         velocity's before the height is: each misfit counts once.
         """
-        mixing = (np.eye(3) + cross_matrix(np.asarray(askew_rad, float))) * np.asarray(
-            factors, float
-        )
-        turned = self._turned(mixing, round(lag_s * self.rate_hz))
         first, last, force = (
             each + np.asarray(offset_mps2, float) for each in (self.first, self.last, self.force)
         )
         size = np.linalg.norm(first, axis=1), np.linalg.norm(last, axis=1)
         upright = shortest_turns(first / size[0][:, None], UP)
-        along = np.einsum("mij,mnjk,mnk->mni", upright, turned, force)
-        end = (last / size[1][:, None])[:, :, None]
-        lean = (upright @ turned[:, -1] @ end)[:, :2, 0]
-        gravity = size[0][:, None] + (size[1] - size[0])[:, None] * self.part
-        along[:, :, :2] -= (self.part * gravity)[:, :, None] * lean[:, None]
-        along[:, :, 2] -= gravity
-        speed = np.einsum("mn,mni->mi", self.step, (along[:, 1:] + along[:, :-1]) / 2)
-        up = np.cumsum((along[:, 1:, 2] + along[:, :-1, 2]) / 2 * self.step, axis=1)
-        up = np.pad(up, ((0, 0), (1, 0))) - self.part * speed[:, 2:]
-        height = ((up[:, 1:] + up[:, :-1]) / 2 * self.step).sum(axis=1)
+        sums = self.weights @ turned.applied(force) @ np.swapaxes(upright, 1, 2)
+        end = turned.part(slice(-1, None)).applied((last / size[1][:, None])[:, None])
+        lean = (upright @ np.swapaxes(end, 1, 2))[:, :2, 0]
+        # Gravity's size changes evenly from first to last; its lean grows evenly from none.
+        gravity = np.column_stack([size[0], size[1] - size[0]])[:, None]
+        down = (gravity * self.moments[:, :, :2]).sum(axis=2)
+        aside = (gravity * self.moments[:, :, 1:]).sum(axis=2)
+        speed = sums[:, 0] - np.column_stack([aside[:, :1] * lean, down[:, 0]])
+        height = sums[:, 1, 2] - down[:, 1]
         return np.column_stack([speed, np.rad2deg(lean), height * self.back])
 
-    def _turned(self, mixing: FloatArray, late: int) -> FloatArray:
-        """Attitudes (m, n, 3, 3) against each move's first sample."""
-        rate = (self.rates @ mixing.T)[np.clip(self.index + late, 0, self.count - 1)]
-        turn = (rate[:, 1:] + rate[:, :-1]) / 2 * self.step[:, :, None]
-        half = np.sqrt(np.einsum("mni,mni->mn", turn, turn)) / 2
-        size = np.sinc(half / np.pi) / 2
-        # Quaternions as pairs of complex numbers, w + x i and y + z i, which multiply fastest.
+    def turned(
+        self, factors: ArrayLike = 1.0, lag_s: float = 0.0, askew_rad: ArrayLike = NO_TURN
+    ) -> _Attitudes:
+        """Attitudes against each move's first sample, with errors of the gyroscope taken back.
+
+        The rates are multiplied and come late by some time, and the gyroscope's axes are turned
+        against the accelerometer's.
+        """
+        mixing = (np.eye(3) + cross_matrix(np.asarray(askew_rad, float))) * np.asarray(
+            factors, float
+        )
+        late = round(lag_s * self.rate_hz)
+        between = np.clip(self.index[:, :-1] + late + 1, 0, self.count)
+        x, y, z = (mixing @ self.rates.T)[:, between] * self.step
+        half = np.sqrt(x**2 + y**2 + z**2) / 2
+        size = np.sin(half) / np.maximum(half, TINY) / 2
         first, second = np.ones(self.index.shape, complex), np.zeros(self.index.shape, complex)
-        first[:, 1:] = np.cos(half) + 1j * size * turn[:, :, 0]
-        second[:, 1:] = size * (turn[:, :, 1] + 1j * turn[:, :, 2])
-        # Products of 2, 4, 8 ... neighbours: all attitudes in log2(n) rounds.
-        step = 1
-        while step < first.shape[1]:
-            a, b, c, d = first[:, :-step], second[:, :-step], first[:, step:], second[:, step:]
-            first[:, step:], second[:, step:] = a * c - b * d.conj(), a * d + b * c.conj()
-            step *= 2
-        q = np.stack([first.real, first.imag, second.real, second.imag], axis=-1)
-        return np.asarray(np.swapaxes(rotation_world_to_imu(q), -1, -2))
+        first[:, 1:] = np.cos(half) + 1j * (size * x)
+        second[:, 1:] = size * (y + 1j * z)
+        return _Attitudes(first, second).running_products()
 
 
 def moves_between_rests(readings: Readings) -> Moves:
@@ -251,7 +292,7 @@ def moves_between_rests(readings: Readings) -> Moves:
     Moves
     """
     batch = _Batch(readings)
-    return Moves(batch.spans, batch.misfit() if batch.spans else np.zeros((0, 6)))
+    return Moves(batch.spans, batch.misfit(batch.turned()) if batch.spans else np.zeros((0, 6)))
 
 
 def shortest_turns(first: FloatArray, second: FloatArray) -> FloatArray:
@@ -266,8 +307,9 @@ def shortest_turns(first: FloatArray, second: FloatArray) -> FloatArray:
     (..., 3, 3) array
     """
     axis, cosine = np.cross(first, second), np.sum(first * second, axis=-1)[..., None, None]
-    # Column j of the matrix of the cross product is axis x e_j.
-    across = np.swapaxes(np.cross(axis[..., None, :], np.eye(3)), -1, -2)
+    # The matrix of the cross product with the axis.
+    across = np.zeros((*axis.shape, 3))
+    across[..., [2, 0, 1], [1, 2, 0]], across[..., [1, 2, 0], [2, 0, 1]] = axis, -axis
     along = axis[..., :, None] * axis[..., None, :]
     return np.asarray(cosine * np.eye(3) + across + along / np.maximum(1 + cosine, 1e-9))
 
@@ -318,10 +360,8 @@ def fit_halves(readings: Readings) -> HalvesFit:
     if len(batch.spans) < FEWEST_MOVES:
         return UNSEEN
 
-    def rows(
-        factors: ArrayLike, lag_s: float = 0.0, offset: ArrayLike = 0.0, askew: ArrayLike = NO_TURN
-    ) -> FloatArray:
-        return np.asarray(batch.misfit(factors, lag_s, offset, askew) / SIZES)
+    def rows(factors: ArrayLike, lag_s: float = 0.0) -> FloatArray:
+        return np.asarray(batch.misfit(batch.turned(factors, lag_s)) / SIZES)
 
     without, stated = _size(rows(0.0)), _size(rows(1.0))
     choices = [np.array(signs) for signs in product((1.0, -1.0), repeat=3)][1:]
@@ -333,8 +373,11 @@ def fit_halves(readings: Readings) -> HalvesFit:
     found, sd = np.zeros(8), np.full(8, np.inf)
     found[:2] = lag, scale
 
-    def at(errors: FloatArray) -> FloatArray:
-        return rows(errors[1], float(errors[0]), errors[2:5], errors[5:8])
+    def turned(errors: FloatArray) -> _Attitudes:
+        return batch.turned(errors[1], float(errors[0]), errors[5:8])
+
+    def at(errors: FloatArray, attitudes: _Attitudes) -> FloatArray:
+        return np.asarray(batch.misfit(attitudes, errors[OFFSETS]) / SIZES)
 
     for _ in range(ROUNDS):
         # A lag is taken in whole samples: its slope comes from some of them.
@@ -343,13 +386,17 @@ def fit_halves(readings: Readings) -> HalvesFit:
         )
         steps[1] = min(steps[1], found[1] / 4)
         found[0] = round(found[0] * readings.rate_hz) / readings.rate_hz
-        slopes = np.stack([
-            (at(found + change) - at(found - change)) / (2 * change.sum())
-            for change in np.diag(steps)
-        ])  # fmt: skip
-        change, sd = _step(at(found), slopes, found)
+        here, slopes = turned(found), []
+        for k, step in enumerate(steps):
+            more, less = found.copy(), found.copy()
+            more[k] += step
+            less[k] -= step
+            # An offset of the accelerometer turns nothing.
+            of_more, of_less = (here, here) if k in OFFSETS else (turned(more), turned(less))
+            slopes.append((at(more, of_more) - at(less, of_less)) / (2 * step))
+        change, sd = _step(at(found, here), np.array(slopes), found)
         found = np.clip(found + change, LEAST, MOST)
-    left = _size(at(found))
+    left = _size(at(found, turned(found)))
     if left > CLEARLY * without:
         return UNSEEN._replace(silent=without > MUCH and _says_nothing(readings), left=left)
     lag, scale = found[:2].tolist()
