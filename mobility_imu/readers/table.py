@@ -50,7 +50,12 @@ three sensors at 100 Hz with rows of 250 characters are 720 million."""
 NUL = "\0"
 MOST_COLUMNS = 20
 """Names of columns that a message lists at most."""
-MEND_ROW = "correct it, or remove the row and give --fill-gaps-s (fill_gaps_s in Python)"
+LONGEST_FILL_S = 60.0
+"""A straight line over a longer gap says nothing of the motion. Set by hand."""
+MEND_ROW = (
+    "correct it, or remove the row; --fill-gaps-s (fill_gaps_s in Python) bridges gaps of up to "
+    f"{LONGEST_FILL_S:g} s"
+)
 """What to do with a row of a recording that lacks a number."""
 _BEFORE = re.compile(r"[\s\ufeff]*")
 """What may stand before a text; a byte order mark stands behind blanks, or twice, where files were
