@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import GAP_FACTOR, FloatArray, as_number, shown
+from mobility_imu.readers.silent_axes import recorded
 from mobility_imu.readers.streams import BELIEVED, STARTED, Stream
 from mobility_imu.readers.table import LONGEST_FILL_S
 from mobility_imu.readers.wording import quoted
@@ -452,7 +453,7 @@ def join_streams(
         acc = at_common(name, stream.acc_mps2)
         assert acc is not None
         sensors[name] = Imu(acc, at_common(name, stream.gyr_radps))
-    return Recording(time_s, sensors, source=source), tuple(said)
+    return recorded(time_s, sensors, source), tuple(said)
 
 
 def losses(clock: FloatArray, counted: bool = False) -> NDArray[np.bool_]:
@@ -528,7 +529,7 @@ def _recorded(
 ) -> Recording:
     """Recording; if its clock is refused, the message ends with what to do."""
     try:
-        return Recording(time_s, sensors, source=source)
+        return recorded(time_s, sensors, source)
     except InputError as error:
         advice = {"time_s: gap of": f"; {on_gap}"} | ADVICE
         found = next((do for words, do in advice.items() if words in str(error)), "")

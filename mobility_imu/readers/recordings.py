@@ -169,15 +169,30 @@ def understand(
     for name, stream in named.items():
         whose = stream.source if len(named) == 1 else f"{stream.source}, {name}"
         said += held_warnings(stream.time_s, stream.acc_mps2, whose)
-    recording, found, lags = one_clock(named, source, fill_gaps_s=fill_gaps_s)
+    recording, found, lags = _on_one_clock(named, expected, source, fill_gaps_s)
     return Reading(
         recording,
         form,
-        {name: stream.file_label or "" for name, stream in named.items()},
+        {name: named[name].file_label or "" for name in recording.sensors},
         ", ".join(dict.fromkeys(stream.rate_from for stream in streams)),
         lags=lags,
         warnings=(*said, *found),
     )
+
+
+def _on_one_clock(
+    named: Mapping[str, Stream], expected: Sequence[str], source: str, fill_gaps_s: float
+) -> tuple[Recording, tuple[str, ...], Mapping[str, ClockLag]]:
+    """Sensors on one clock, without those that are not expected if these alone are refused."""
+    try:
+        return one_clock(named, source, fill_gaps_s=fill_gaps_s)
+    except InputError as error:
+        wanted = {name: stream for name, stream in named.items() if name in expected}
+        if not wanted or len(wanted) == len(named):
+            raise
+        recording, said, lags = one_clock(wanted, source, fill_gaps_s=fill_gaps_s)
+        others = listed(name for name in named if name not in wanted)
+        return recording, (f"{error}; {others}: left out, not needed", *said), lags
 
 
 def _alone(path: Named) -> Named:
