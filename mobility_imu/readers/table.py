@@ -380,6 +380,23 @@ def parse_numbers(
     )  # fmt: skip
 
 
+def cells_of(text: str, place: int, source: str, first_line: int = 1) -> list[tuple[int, str]]:
+    """Cells of one column as they are written, with their lines; without quotation marks.
+
+    Parameters
+    ----------
+    text, source, first_line : as :func:`parse_numbers` takes them, which has found every row whole
+    place : of the column among the names of the whole table, from 0
+
+    Returns
+    -------
+    list of (line from 1, cell)
+    """
+    layout = find_layout(text, source, first_line=first_line)
+    cell = place + int(layout.indexed)
+    return [(line, cells[cell].strip(_BLANKS)) for line, cells in _rows(layout)]
+
+
 def line_of(text: str, row: int, first_line: int = 1) -> int:
     """Line in which a row of a table stands, as an editor counts lines.
 
