@@ -20,8 +20,9 @@ from mobility_imu.cli.options import (
     sub_app,
     table_file,
 )
+from mobility_imu.cli.outputs import table_bytes
 from mobility_imu.errors import InputError
-from mobility_imu.files import Outputs, csv_bytes
+from mobility_imu.files import Outputs
 
 if TYPE_CHECKING:
     from mobility_imu.faults import Fault
@@ -131,7 +132,7 @@ def angles(
         )
     with as_typed(WORDS):
         found = _judged(ride, scooter, mount, settings, strict)
-    outputs.write({output: csv_bytes(found.to_frame(), output)})
+    outputs.write({output: table_bytes(found.to_frame(), output)})
     summarize([read_line(ride), *ride_lines(found), written_line([output])], quiet)
 
 
@@ -312,7 +313,7 @@ def check(
         found = check_poses(recording, set_rad, scooter, mount, settings)
     written = []
     if output is not None:
-        outputs.write({output: csv_bytes(found.to_frame(), output)})
+        outputs.write({output: table_bytes(found.to_frame(), output)})
         written.append(written_line([output]))
     typer.echo(check_text(found))
     summarize([read_line(recording), *pose_check_lines(found), *written], quiet)

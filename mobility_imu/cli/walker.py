@@ -21,8 +21,9 @@ from mobility_imu.cli.options import (
     sub_app,
     table_file,
 )
+from mobility_imu.cli.outputs import table_bytes
 from mobility_imu.errors import InputError
-from mobility_imu.files import Outputs, csv_bytes
+from mobility_imu.files import Outputs
 
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
 Form = Literal["corrected", "printed"]
@@ -174,10 +175,10 @@ def trajectory(
         "settings": settings, "smooth": smooth, "closed_loop": closed_loop, "rests": known
     }  # fmt: skip
     found, table = _followed(walk, recording, _footprint(geometry), mount, options, strict)
-    contents = {output: csv_bytes(table, output)}
+    contents = {output: table_bytes(table, output)}
     placed = _steps(found, walk, needed=steps is not None)
     if steps is not None and placed is not None:
-        contents[steps] = csv_bytes(placed.to_frame(), steps)
+        contents[steps] = table_bytes(placed.to_frame(), steps)
     outputs.write(contents)
     lines = [read_line(recording), *trajectory_lines(found, placed), written_line(contents)]
     summarize(lines, quiet)

@@ -32,6 +32,16 @@ def test_words_with_accents_tell_sensors(tmp_path, form):
     assert set(quietly(tmp_path / "Essai").sensors) == set(CHAIR)
 
 
+def test_exports_may_end_in_capitals(tmp_path):
+    exports(tmp_path / "t", ("Trial-Frame", "Trial-LeftWheel", "Trial-RightWheel"))
+    wanted = quietly(tmp_path / "t" / "Trial")
+    for path in list((tmp_path / "t").iterdir()):
+        path.rename(path.with_suffix(".TXT"))
+    assert_same(quietly(tmp_path / "t" / "Trial"), wanted)
+    with pytest.raises(InputError, match=r"are given by the beginning of their names, as .*Trial"):
+        quietly(tmp_path / "t")
+
+
 def test_an_export_without_a_sensors_word_is_told(tmp_path):
     exports(tmp_path, ("Trial-Frame", "Trial-LeftWheel", "Trial-Head"))
     (tmp_path / "Trial-notes.txt").write_text("a windy day\n")
