@@ -117,3 +117,24 @@ def test_a_file_whose_name_has_a_comma_is_one_file(tmp_path):
     recording.to_frame().to_csv(path, index=False)
     for name in (path, [path], [f"frame={path}"]):
         assert_same(quietly(name), recording)
+
+
+@pytest.mark.parametrize("typed", [".", "..", "inner/.."])
+def test_the_current_folder_is_named_as_typed(tmp_path, monkeypatch, typed):
+    """Not by the whole path; a recording and its sensor are called by the folder's own name."""
+    place = tmp_path / "left"
+    (place / "inner").mkdir(parents=True)
+    monkeypatch.chdir(place / "inner" if typed == ".." else place)
+    with pytest.raises(InputError, match=f"^{typed}: is a folder or archive without") as error:
+        quietly(typed)
+    assert str(tmp_path) not in str(error.value)
+    folder = dialects.ngimu(made(("left_wheel",)), tmp_path)
+    (sensors,) = folder.rglob("sensors.csv")
+    shutil.move(sensors, place)
+    found = understand(typed, expected=("frame", "left_wheel"))
+    assert set(found.recording.sensors) == {"left_wheel"}
+    assert found.recording.source == "left"
+    text = (place / "sensors.csv").read_text().split("\n")
+    (place / "sensors.csv").write_text("\n".join([*text[:50], "1,2", *text[50:]]))
+    with pytest.raises(InputError, match=f"^{typed}/sensors.csv: line 51"):
+        quietly(typed)
