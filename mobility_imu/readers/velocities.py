@@ -345,5 +345,5 @@ def _column(table: NumberTable, pattern: str, what: str) -> int:
     ]
     if len(found) != 1:
         state = "no column" if not found else f"{len(found)} columns"
-        raise InputError(f"{table.source}: {state} for the {what} (columns: {table.listed()})")
+        raise InputError(f"{table.source}: {state} for the {what} (columns: {listed(table.every)})")
     return found[0]
