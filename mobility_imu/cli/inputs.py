@@ -61,8 +61,23 @@ def read_input(
     )
     for found in examine(recording):
         if found.code == "copy":
-            raise InputError(found.sentence)
+            recording = _without_copy(recording, found, SENSORS[device])
     return recording
+
+
+def _without_copy(recording: Recording, copy: Fault, needed: Sequence[str]) -> Recording:
+    """Recording without a sensor that repeats another one, if it is not needed; else an error."""
+    from dataclasses import replace
+
+    *_, other = copy.sensor.split(", ")
+    first = copy.sensor.removesuffix(f", {other}")
+    if other in needed:
+        first, other = other, first
+    if other in needed:
+        raise InputError(copy.sentence)
+    warn([f"{recording.source}: {other} repeats {first} and is left out: it is not needed"])
+    sensors = {name: imu for name, imu in recording.sensors.items() if name != other}
+    return replace(recording, sensors=sensors)
 
 
 def check_reading(sampling_rate_hz: float | None, fill_gaps_s: float = 0.0) -> None:

@@ -9,7 +9,7 @@ import sys
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from itertools import pairwise
@@ -100,10 +100,17 @@ def _run() -> tuple[int, str]:
             return AT_FAULT, f"{valued[name]}: the name is empty; the current folder is '.'"
         if name not in valued and not here:
             return AT_FAULT, "an argument is empty; the current folder is '.'"
+    pairs = _paired_flags()
+    given = Counter(_given(sys.argv[1:], valued, {name for pair in pairs for name in pair}))
     warn(
-        f"{name} is given {times} times; the last one counts"
-        for name, times in Counter(_given(sys.argv[1:], valued)).items()
-        if times > 1
+        f"{name} is given {given[name]} times; the last one counts"
+        for name in dict.fromkeys(valued.values())
+        if given[name] > 1
+    )
+    warn(
+        f"{one} and {other} are both given; the last one counts"
+        for one, other in sorted(pairs)
+        if given[one] and given[other]
     )
     try:
         code = _command()(standalone_mode=False)
@@ -160,6 +167,16 @@ def _options_with_values() -> dict[str, str]:
     return names
 
 
+def _paired_flags() -> set[tuple[str, str]]:
+    """Flags of all commands that say yes and no to one thing, such as --smooth and --no-smooth."""
+    return {
+        (option.opts[0], option.secondary_opts[0])
+        for command in _commands()
+        for option in command.params
+        if getattr(option, "secondary_opts", ())
+    }
+
+
 def _takes_path(name: str) -> bool:
     """Whether an option of some command takes a path."""
     kinds = [
@@ -171,8 +188,10 @@ def _takes_path(name: str) -> bool:
     return any(Path in (kind, *get_args(kind)) for kind in kinds)
 
 
-def _given(arguments: Sequence[str], valued: Mapping[str, str]) -> Iterator[str]:
-    """Options with values that stand in a command line, each as often as it does."""
+def _given(
+    arguments: Sequence[str], valued: Mapping[str, str], flags: Collection[str] = ()
+) -> Iterator[str]:
+    """Options with values, and flags, that stand in a command line, each as often as it does."""
     waiting = iter(arguments)
     for argument in waiting:
         if argument == "--":  # what follows are arguments
@@ -183,7 +202,9 @@ def _given(arguments: Sequence[str], valued: Mapping[str, str]) -> Iterator[str]
             # Letters of flags may stand before that of the option, and its value behind.
             k = next((k for k in range(1, len(argument)) if f"-{argument[k]}" in valued), 0)
             name, apart = f"-{argument[k]}", k == len(argument) - 1
-        if name in valued:
+        if argument in flags:
+            yield argument
+        elif name in valued:
             yield valued[name]
             if apart:
                 next(waiting, None)

@@ -14,6 +14,30 @@ OTHER_FORMATS = (
 """Endings of tables that are no CSV."""
 
 
+def written(name: str) -> Path:
+    """Path of a file or folder to write: nothing is written to standard output.
+
+    Parameters
+    ----------
+    name : as typed
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    BadParameter
+        If the name is a hyphen.
+    """
+    if name == "-":
+        raise typer.BadParameter(
+            "'-' is no file, and nothing is written to standard output; give a name "
+            "(./- for a file that is called so)"
+        )
+    return Path(name)
+
+
 def table_file(name: str) -> Path:
     """Path of a table to write, which is a CSV.
 
@@ -28,9 +52,9 @@ def table_file(name: str) -> Path:
     Raises
     ------
     BadParameter
-        If the name says that it is another kind of file.
+        If the name is a hyphen, or says that it is another kind of file.
     """
-    path = Path(name)
+    path = written(name)
     if path.suffix.lower() in OTHER_FORMATS:
         raise typer.BadParameter(
             f"tables are written as CSV, and {path.name} would be no {path.suffix[1:]} file; "
@@ -39,14 +63,20 @@ def table_file(name: str) -> Path:
     return path
 
 
-Output = Annotated[Path, typer.Option("--output", "-o", help="File to write.")]
+Output = Annotated[
+    Path,
+    typer.Option("--output", "-o", help="File to write.", parser=written, metavar="PATH"),
+]
 Table = Annotated[
     Path,
     typer.Option(
         "--output", "-o", help="Table to write, as CSV.", parser=table_file, metavar="PATH"
     ),
 ]
-Folder = Annotated[Path, typer.Option("--output", "-o", help="Folder to write into.")]
+Folder = Annotated[
+    Path,
+    typer.Option("--output", "-o", help="Folder to write into.", parser=written, metavar="PATH"),
+]
 Rate = Annotated[
     float | None,
     typer.Option(

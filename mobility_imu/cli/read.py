@@ -10,7 +10,8 @@ import typer
 from mobility_imu.cli.inputs import check_reading
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Quiet, Rate, table_file
-from mobility_imu.files import Outputs, csv_bytes
+from mobility_imu.cli.outputs import table_bytes
+from mobility_imu.files import Outputs
 
 if TYPE_CHECKING:
     from mobility_imu.readers.recordings import Reading
@@ -66,7 +67,7 @@ def read(
     warn(fault.sentence for fault in examine(found.recording))
     text = reading_text(found)
     if output is not None:
-        outputs.write({output: csv_bytes(found.recording.to_frame(), output)})
+        outputs.write({output: table_bytes(found.recording.to_frame(), output)})
     typer.echo(text)
     if output is None:
         summarize([read_line(found.recording)], quiet)

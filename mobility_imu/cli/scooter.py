@@ -20,8 +20,9 @@ from mobility_imu.cli.options import (
     sub_app,
     table_file,
 )
+from mobility_imu.cli.outputs import table_bytes
 from mobility_imu.errors import InputError
-from mobility_imu.files import Outputs, csv_bytes
+from mobility_imu.files import Outputs
 
 if TYPE_CHECKING:
     from mobility_imu.faults import Fault
@@ -53,9 +54,8 @@ WORDS = {
     "median window = ": "--median-window ",
 }
 """Names of the settings in the library's messages, and of the options."""
-NO_FAULT = ": the sensors were accelerated in "
-LOSSES = {"frozen": "frozen", "range": "saturated", "no gravity": "weightless"}
-"""Words of the estimate for the faults of an accelerometer that take some samples from it."""
+NO_FAULT = ("accelerated", "settings")
+"""Kinds of remarks on a ride that are of no fault: to be pushed is none of a sensor."""
 
 Ride = Annotated[
     Path,
@@ -131,7 +131,7 @@ def angles(
         )
     with as_typed(WORDS):
         found = _judged(ride, scooter, mount, settings, strict)
-    outputs.write({output: csv_bytes(found.to_frame(), output)})
+    outputs.write({output: table_bytes(found.to_frame(), output)})
     summarize([read_line(ride), *ride_lines(found), written_line([output])], quiet)
 
 
@@ -144,25 +144,20 @@ def _judged(
 ) -> RideAngles:
     """Angles of a ride whose faults are told, and which are not valid where these move them."""
     from mobility_imu.scooter import estimate_ride, find_faults, mark_faults
+    from mobility_imu.scooter.ride import LOSSES
 
     faults = find_faults(recording, geometry, mount, settings)
     tell_faults(faults, strict)
     with naming(faults):
         found = mark_faults(estimate_ride(recording, geometry, mount, settings), faults)
     # The estimate says of some sensors what was told with its cost.
-    words = {**LOSSES, "scale": "out of scale"}
-    told = [f": {fault.sensor} is {words[fault.code]} " for fault in faults if fault.code in words]
-    left = [text for text in found.warnings if not any(same in text for same in told)]
-    # What is said of the recording begins with its name; to be pushed is no fault of a sensor.
-    faulty = [w for w in left if w.startswith(f"{recording.source}: ") and NO_FAULT not in w]
+    told = {(fault.code, fault.sensor) for fault in faults}
+    left = [one for one in found.remarks if (one.code, one.sensor) not in told]
     # Losses that were not told move no angle that is valid; their own samples are not.
-    lost = tuple(
-        f": {name}_acc is {word} in " for name in settings.sensors for word in LOSSES.values()
-    )
-    faulty = [text for text in faulty if not any(loss in text for loss in lost)]
+    faulty = [one for one in left if one.code not in (*NO_FAULT, *LOSSES)]
     if strict and faulty:
-        raise InputError(faulty[0])
-    warn(in_words(text, WORDS) for text in left)
+        raise InputError(faulty[0].sentence)
+    warn(in_words(one.sentence, WORDS) for one in left)
     return found
 
 
@@ -312,7 +307,7 @@ def check(
         found = check_poses(recording, set_rad, scooter, mount, settings)
     written = []
     if output is not None:
-        outputs.write({output: csv_bytes(found.to_frame(), output)})
+        outputs.write({output: table_bytes(found.to_frame(), output)})
         written.append(written_line([output]))
     typer.echo(check_text(found))
     summarize([read_line(recording), *pose_check_lines(found), *written], quiet)

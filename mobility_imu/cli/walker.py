@@ -21,8 +21,9 @@ from mobility_imu.cli.options import (
     sub_app,
     table_file,
 )
+from mobility_imu.cli.outputs import table_bytes
 from mobility_imu.errors import InputError
-from mobility_imu.files import Outputs, csv_bytes
+from mobility_imu.files import Outputs
 
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
 Form = Literal["corrected", "printed"]
@@ -59,6 +60,17 @@ def _settings(scale_percent: float) -> NavigationSettings:
     if not least <= scale_percent <= most:
         raise InputError(f"--scale-percent {scale_percent:g}: expected {least:g} to {most:g}")
     return NavigationSettings(scale_sd=scale_percent / 100, axes_sd_rad=scale_percent / 100)
+
+
+def _read(path: Path, sampling_rate_hz: float | None, fill_gaps_s: float) -> Recording:
+    """Recording of a frame whose gyroscope is in one unit throughout, as far as gravity shows."""
+    from mobility_imu.walker.unit_changes import find_unit_change
+
+    recording = read_input(path, "walker", sampling_rate_hz, fill_gaps_s)
+    change = find_unit_change(recording) if "frame" in recording.sensors else None
+    if change is not None:
+        raise InputError(change.sentence)
+    return recording
 
 
 @app.command("calibrate")
@@ -101,7 +113,7 @@ def calibrate(
     if form != "corrected" and method == "all-samples":
         warn([f"--form has no effect with --method {method}"])
     frame = WalkerGeometry.from_toml(geometry)
-    recording = read_input(tilts, "walker", sampling_rate_hz, fill_gaps_s)
+    recording = _read(tilts, sampling_rate_hz, fill_gaps_s)
     options: dict[str, Any] = {
         "method": method,
         "form": form,
@@ -167,17 +179,17 @@ def trajectory(
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
-    recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s)
+    recording = _read(walk, sampling_rate_hz, fill_gaps_s)
     known = None if rests is None else read_rests(rests, recording.time_s)
     settings = _settings(scale_percent)
     options = {
         "settings": settings, "smooth": smooth, "closed_loop": closed_loop, "rests": known
     }  # fmt: skip
     found, table = _followed(walk, recording, _footprint(geometry), mount, options, strict)
-    contents = {output: csv_bytes(table, output)}
+    contents = {output: table_bytes(table, output)}
     placed = _steps(found, walk, needed=steps is not None)
     if steps is not None and placed is not None:
-        contents[steps] = csv_bytes(placed.to_frame(), steps)
+        contents[steps] = table_bytes(placed.to_frame(), steps)
     outputs.write(contents)
     lines = [read_line(recording), *trajectory_lines(found, placed), written_line(contents)]
     summarize(lines, quiet)

@@ -11,8 +11,9 @@ import typer
 from mobility_imu.cli.inputs import as_typed, check_reading, naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Quiet, Rate, Strict, Table, sub_app, table_file
+from mobility_imu.cli.outputs import table_bytes
 from mobility_imu.errors import InputError, needs
-from mobility_imu.files import Outputs, csv_bytes, figure_bytes
+from mobility_imu.files import Outputs, figure_bytes
 
 if TYPE_CHECKING:
     from mobility_imu.faults import Fault
@@ -118,7 +119,7 @@ def velocity(
     found = with_valid(found, faults)
     _warn_of_calibration(calibration, line, of_line)
     warn(not_told(found, drive, chair, calibration.mount, faults))
-    outputs.write({output: csv_bytes(found.to_frame(), output)})
+    outputs.write({output: table_bytes(found.to_frame(), output)})
     summarize([read_line(drive), *velocity_lines(found), written_line([output])], quiet)
 
 
@@ -331,7 +332,7 @@ def tasks(
     """Locomotor tasks and a chronogram from a chair's velocities (WheelMove-ID)."""
     inputs = (velocity,) if settings is None else (velocity, settings)
     outputs = Outputs({"--output": output, "--events": events, "--figure": figure}, inputs)
-    if figure is not None and figure.suffix not in PICTURES:
+    if figure is not None and figure.suffix.lower() not in PICTURES:
         raise InputError(f"--figure {figure}: expected a name that ends in .png, .svg or .pdf")
     if figure is not None:
         needs("matplotlib")  # before the work, not after it
@@ -345,7 +346,7 @@ def tasks(
     table = found.to_frame()
     if direction:
         table["direction"] = turn_direction(found.codes, found.yaw_rate_radps)
-    contents = {output: csv_bytes(table, output)}
+    contents = {output: table_bytes(table, output)}
     if events is not None:
         rows = task_events(
             found.time_s,
@@ -354,7 +355,7 @@ def tasks(
             found.yaw_rate_radps,
             valid=found.valid,
         )
-        contents[events] = csv_bytes(rows, events)
+        contents[events] = table_bytes(rows, events)
     if figure is not None:
         contents[figure] = _chronogram(found, figure)
     outputs.write(contents)

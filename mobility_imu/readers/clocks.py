@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import GAP_FACTOR, FloatArray, as_number, shown
+from mobility_imu.readers.silent_axes import recorded
 from mobility_imu.readers.streams import BELIEVED, STARTED, Stream
+from mobility_imu.readers.table import LONGEST_FILL_S
 from mobility_imu.readers.wording import quoted
 from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu, Recording
 
@@ -23,8 +25,6 @@ if TYPE_CHECKING:
 _log = logging.getLogger("mobility_imu")
 WORTH_A_LINE_S = 600.0
 """The search by movement in a longer recording takes half a minute or more."""
-LONGEST_FILL_S = 60.0
-"""A straight line over a longer gap says nothing of the motion. Set by hand."""
 FEWEST_TO_FILL = 1000
 """So many samples may be filled in even if the recording has fewer: 10 s at 100 Hz. Set by hand."""
 MOSTLY_USUAL = 0.8
@@ -204,7 +204,7 @@ def fill_gaps(
     usual = float(np.median(step))
     holes = np.nonzero((step > GAP_FACTOR * usual) & (step <= AS_PRINTED * longest_s))[0]
     added = np.rint(step[holes] / usual).sum() - len(holes)
-    if added > max(len(time_s), FEWEST_TO_FILL):
+    if not _may_be_added(added, len(time_s)):
         raise InputError(
             f"{source}: {added:.0f} samples would be filled in beside the {len(time_s)} that there "
             "are; fill shorter gaps only"
@@ -228,6 +228,10 @@ def fill_gaps(
         )
         for name, imu in sensors.items()
     }
+
+
+def _may_be_added(added: float, there: int) -> bool:
+    return added <= max(there, FEWEST_TO_FILL)
 
 
 def one_clock(
@@ -277,10 +281,11 @@ def one_clock(
         same = False
     if same and (first.counted or _is_even(first.time_s)):
         time_s = first.time_s if first.counted else first.time_s - first.time_s[0]
+        on_gap = _on_gaps(time_s)
         sensors = {name: Imu(s.acc_mps2, s.gyr_radps) for name, s in streams.items()}
         if fill_gaps_s > 0:
             time_s, sensors = fill_gaps(time_s, sensors, fill_gaps_s, source)
-        recording = _recorded(time_s, sensors, source)
+        recording = _recorded(time_s, sensors, source, on_gap)
         check_rate(recording.sampling_rate_hz, source, clock=True)
         return recording, tuple(said), lags
     rates = []
@@ -296,8 +301,8 @@ def one_clock(
             why = "".join(f": {text}" for text in at_gap)
             raise InputError(
                 f"{source}, {name}: gap of {step[k]:.3g} s after {stamps[k] - stamps[0]:.2f} s "
-                f"({int((step > longest).sum())} longer than {longest:.3g} s){why}; give "
-                "--fill-gaps-s (fill_gaps_s in Python) to bridge it, or cut the recording there"
+                f"({int((step > longest).sum())} longer than {longest:.3g} s){why}; "
+                f"{BRIDGE if _can_be_filled(step[k]) else CUT}"
             )
         rates.append(_rate(step))
     rate = check_rate(min(rates), source, clock=True)
@@ -448,7 +453,7 @@ def join_streams(
         acc = at_common(name, stream.acc_mps2)
         assert acc is not None
         sensors[name] = Imu(acc, at_common(name, stream.gyr_radps))
-    return Recording(time_s, sensors, source=source), tuple(said)
+    return recorded(time_s, sensors, source), tuple(said)
 
 
 def losses(clock: FloatArray, counted: bool = False) -> NDArray[np.bool_]:
@@ -498,19 +503,41 @@ def _spans(clocks: Mapping[str, FloatArray]) -> str:
     return ", ".join(f"{name} {clock[0]:.3f}-{clock[-1]:.3f} s" for name, clock in clocks.items())
 
 
-def _recorded(time_s: FloatArray, sensors: Mapping[str, Imu], source: str) -> Recording:
+CUT = "cut the recording there"
+BRIDGE = f"give --fill-gaps-s (fill_gaps_s in Python) to bridge it, or {CUT}"
+
+
+def _can_be_filled(gap_s: float) -> bool:
+    """Whether the length that a message states of a gap is one that may be asked for."""
+    return float(f"{gap_s:.3g}") <= LONGEST_FILL_S
+
+
+def _on_gaps(time_s: FloatArray) -> str:
+    """What to do about gaps that a Recording refuses: fill them only if all may be filled."""
+    step = np.diff(time_s)
+    with np.errstate(all="ignore"):  # of a clock that is refused for something else
+        usual = float(np.median(step)) if len(step) else np.nan
+        gaps = step[step > GAP_FACTOR * usual]
+        added = (gaps / usual).sum() - len(gaps)
+    if not len(gaps) or (_can_be_filled(gaps.max()) and _may_be_added(added, len(time_s))):
+        return BRIDGE.replace(" to bridge", " of that length to bridge")
+    return CUT if len(gaps) == 1 else "cut the recording at its gaps"
+
+
+def _recorded(
+    time_s: FloatArray, sensors: Mapping[str, Imu], source: str, on_gap: str
+) -> Recording:
     """Recording; if its clock is refused, the message ends with what to do."""
     try:
-        return Recording(time_s, sensors, source=source)
+        return recorded(time_s, sensors, source)
     except InputError as error:
-        advice = next((do for words, do in ADVICE.items() if words in str(error)), "")
-        raise InputError(f"{error}{advice}") from None
+        advice = {"time_s: gap of": f"; {on_gap}"} | ADVICE
+        found = next((do for words, do in advice.items() if words in str(error)), "")
+        raise InputError(f"{error}{found}") from None
 
 
 ADVICE = {
-    "time_s: gap of": "; give --fill-gaps-s (fill_gaps_s in Python) of that length to bridge it, "
-    "or cut the recording there",
     "s stands twice (samples": "; remove one of the two rows",
     "time_s: runs backwards": "; sort the rows, or cut the recording there",
 }
-"""What to do where a Recording refuses a clock, by words of its message."""
+"""What to do where a Recording refuses a clock for something else, by words of its message."""

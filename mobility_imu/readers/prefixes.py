@@ -141,7 +141,7 @@ def exports_in(folder: Path) -> str:
     str, empty if there are none
     """
     begins: dict[str, None] = {}
-    for file in filter(is_regular, sorted(folder.glob("*.txt"))):
+    for file in filter(is_regular, sorted(_texts(folder))):
         stem = _plain(file.stem)
         words = [stem.find(w) for found in SENSOR_WORDS.values() for w in found if w in stem]
         if words and _is_export(file):
@@ -155,6 +155,11 @@ def exports_in(folder: Path) -> str:
     )
 
 
+def _texts(folder: Path) -> list[Path]:
+    """Paths of a folder that end in .txt, or .TXT as some systems write it."""
+    return [path for path in folder.glob("*") if path.suffix.lower() == ".txt"]
+
+
 def _begin_alike(prefix: Path) -> list[Path]:
     """Text files of one trial whose names begin like this.
 
@@ -163,7 +168,7 @@ def _begin_alike(prefix: Path) -> list[Path]:
     try:
         if not prefix.parent.is_dir() or not prefix.name:
             return []
-        alike = (p for p in prefix.parent.glob("*.txt") if p.stem.startswith(prefix.name))
+        alike = (p for p in _texts(prefix.parent) if p.stem.startswith(prefix.name))
         files = sorted(filter(is_regular, alike))
     except (OSError, ValueError):
         return []

@@ -25,7 +25,13 @@ from mobility_imu.readers.prefixes import (
     of_one_prefix,
     xsens_parts,
 )
-from mobility_imu.readers.sessions import NoSession, is_session, read_session, session_files
+from mobility_imu.readers.sessions import (
+    NoSession,
+    is_session,
+    own_name,
+    read_session,
+    session_files,
+)
 from mobility_imu.readers.streams import BELIEVED, STARTED, Asked, Stream, held_warnings
 from mobility_imu.readers.table import beside, read_text
 from mobility_imu.readers.wording import listed, quoted
@@ -153,7 +159,7 @@ def understand(
         As :func:`read_recording`.
     """
     path = _alone(path)
-    source = _text(path)
+    source = str(own_name(Path(_text(path))))
     if sampling_rate_hz is not None:
         check_rate(sampling_rate_hz, source)
     check_fill(fill_gaps_s)
@@ -169,15 +175,30 @@ def understand(
     for name, stream in named.items():
         whose = stream.source if len(named) == 1 else f"{stream.source}, {name}"
         said += held_warnings(stream.time_s, stream.acc_mps2, whose)
-    recording, found, lags = one_clock(named, source, fill_gaps_s=fill_gaps_s)
+    recording, found, lags = _on_one_clock(named, expected, source, fill_gaps_s)
     return Reading(
         recording,
         form,
-        {name: stream.file_label or "" for name, stream in named.items()},
+        {name: named[name].file_label or "" for name in recording.sensors},
         ", ".join(dict.fromkeys(stream.rate_from for stream in streams)),
         lags=lags,
         warnings=(*said, *found),
     )
+
+
+def _on_one_clock(
+    named: Mapping[str, Stream], expected: Sequence[str], source: str, fill_gaps_s: float
+) -> tuple[Recording, tuple[str, ...], Mapping[str, ClockLag]]:
+    """Sensors on one clock, without those that are not expected if these alone are refused."""
+    try:
+        return one_clock(named, source, fill_gaps_s=fill_gaps_s)
+    except InputError as error:
+        wanted = {name: stream for name, stream in named.items() if name in expected}
+        if not wanted or len(wanted) == len(named):
+            raise
+        recording, said, lags = one_clock(wanted, source, fill_gaps_s=fill_gaps_s)
+        others = listed(name for name in named if name not in wanted)
+        return recording, (f"{error}; {others}: left out, not needed", *said), lags
 
 
 def _alone(path: Named) -> Named:
@@ -199,8 +220,7 @@ def _text(path: Named) -> str:
 def _text_of_one(path: object) -> str:
     if isinstance(path, str) and not path:
         raise InputError("the name of a file is empty")
-    path = as_path(path)  # type: ignore[arg-type]
-    return str(path.resolve() if path.name in ("", "..") else path)
+    return str(as_path(path))  # type: ignore[arg-type]
 
 
 def _as_several(path: Named, expected: Sequence[str]) -> str:
@@ -375,8 +395,9 @@ def _streams_of_one_receiver(
 
 def _name_of(file: Path, label: str) -> str:
     """Sensor that a label or a file's name tells, or one of these as a name."""
-    plain = re.sub(r"\W+", "_", label or file.stem).strip("_")
-    return by_words(label) or by_words(file.stem) or plain or "sensor"
+    stem = own_name(file).stem
+    plain = re.sub(r"\W+", "_", label or stem).strip("_")
+    return by_words(label) or by_words(stem) or plain or "sensor"
 
 
 def _streams_of_one(

@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import as_clock
+from mobility_imu.readers.flags import flag_column
+from mobility_imu.readers.layout import check_names
 from mobility_imu.readers.table import parse_numbers, read_text
 
 __all__ = ["read_rests"]
@@ -31,6 +33,7 @@ def read_rests(path: str | Path, time_s: ArrayLike) -> NDArray[np.bool_]:
     Parameters
     ----------
     path : CSV with the columns time_s, on the recording's clock, and stationary, 0 or 1
+        (or a word such as TRUE)
     time_s : (n,) array, s, the recording's clock
 
     Returns
@@ -44,10 +47,14 @@ def read_rests(path: str | Path, time_s: ArrayLike) -> NDArray[np.bool_]:
         the recording or last far longer, or there is no rest at all.
     """
     clock = as_clock(time_s)
+    time, stationary = COLUMNS
     table = parse_numbers(
-        read_text(path), source=str(path), wanted=lambda name: name.lower() in COLUMNS
+        read_text(path), source=str(path), wanted=lambda name: name.lower() == time
     )
-    times, flags = table.columns(COLUMNS).T
+    check_names([name for name in table.every if name.lower() in COLUMNS], str(path))
+    names = [name.lower() for name in table.every]
+    times = table.columns(COLUMNS if stationary not in names else [time])[:, 0]
+    flags = flag_column(table, names.index(stationary))
     if len(table) < 2:
         raise InputError(f"{path}: {len(table)} row(s), expected one for each sample")
     wrong = ~np.isin(flags, (0.0, 1.0))

@@ -30,6 +30,8 @@ DAMAGED = (zipfile.BadZipFile, EOFError, zlib.error, LZMAError)
 """Errors of an archive that is not as it was written."""
 LOCKED = 1
 """Flag of a file in an archive that needs a password (APPNOTE.TXT, section 4.4.4, bit 0)."""
+UNNAMED = ("", "..")
+"""Last parts of paths that are no names: the current folder, and the one above."""
 UNPACK = "; unpack it and give the folder"
 XIO_FILES = ("sensors.csv", "Inertial.csv")
 PHONES = {
@@ -67,6 +69,7 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
         If it is no such session, or holds several recordings that can be told apart.
     """
     names, read = _opened(path)
+    source = str(path) if path.name in UNNAMED else path.name
     texts: dict[str, str] = {}
 
     def text(name: str) -> str:
@@ -99,8 +102,8 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
     if inertial:
         streams = []
         for name in inertial:
-            label = PurePosixPath(name).parent.name or path.stem
-            (stream,) = read_xio(text(name), f"{path.name}/{name}", asked)
+            label = PurePosixPath(name).parent.name or own_name(path).stem
+            (stream,) = read_xio(text(name), f"{source}/{name}", asked)
             streams.append(stream.called(label))
         if len(streams) > 1 and not asked.own_clocks:
             said = (
@@ -116,7 +119,7 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
         events = folder / f"{EVENTS}.csv"
         files |= {EVENTS: _or_empty(text, str(events))} if str(events) in names else {}
         read_phone = PHONES[form][1]
-        return form, read_phone({k: v for k, v in files.items() if v.strip()}, path.name, asked)
+        return form, read_phone({k: v for k, v in files.items() if v.strip()}, source, asked)
     held = sorted(names) or [f"{p.name}/" for p in sorted(path.glob("*/"))]
     do = "" if path.is_dir() or not held else "; unpack it and give what is in it"
     raise NoSession(
@@ -174,6 +177,20 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
             ) from None
 
     return names, content
+
+
+def own_name(path: Path) -> Path:
+    """Path, or the folder's own name where it is typed as ``.`` or ``..``.
+
+    Parameters
+    ----------
+    path : any path
+
+    Returns
+    -------
+    Path
+    """
+    return Path(path.resolve().name or path) if path.name in UNNAMED else path
 
 
 def _is_hidden(name: str) -> bool:
@@ -244,4 +261,4 @@ def is_regular(path: Path) -> bool:
         return False
 
 
-__all__ = ["NoSession", "is_regular", "is_session", "read_session", "session_files"]
+__all__ = ["NoSession", "is_regular", "is_session", "own_name", "read_session", "session_files"]

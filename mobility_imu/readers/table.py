@@ -50,7 +50,12 @@ three sensors at 100 Hz with rows of 250 characters are 720 million."""
 NUL = "\0"
 MOST_COLUMNS = 20
 """Names of columns that a message lists at most."""
-MEND_ROW = "correct it, or remove the row and give --fill-gaps-s (fill_gaps_s in Python)"
+LONGEST_FILL_S = 60.0
+"""A straight line over a longer gap says nothing of the motion. Set by hand."""
+MEND_ROW = (
+    "correct it, or remove the row; --fill-gaps-s (fill_gaps_s in Python) bridges gaps of up to "
+    f"{LONGEST_FILL_S:g} s"
+)
 """What to do with a row of a recording that lacks a number."""
 _BEFORE = re.compile(r"[\s\ufeff]*")
 """What may stand before a text; a byte order mark stands behind blanks, or twice, where files were
@@ -373,6 +378,23 @@ def parse_numbers(
         [names[k] for k in read], values[:, : len(columns)], source, left_out=left_out, every=names,
         text=text, first_line=first_line,
     )  # fmt: skip
+
+
+def cells_of(text: str, place: int, source: str, first_line: int = 1) -> list[tuple[int, str]]:
+    """Cells of one column as they are written, with their lines; without quotation marks.
+
+    Parameters
+    ----------
+    text, source, first_line : as :func:`parse_numbers` takes them, which has found every row whole
+    place : of the column among the names of the whole table, from 0
+
+    Returns
+    -------
+    list of (line from 1, cell)
+    """
+    layout = find_layout(text, source, first_line=first_line)
+    cell = place + int(layout.indexed)
+    return [(line, cells[cell].strip(_BLANKS)) for line, cells in _rows(layout)]
 
 
 def line_of(text: str, row: int, first_line: int = 1) -> int:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.readers.clocks import check_rate
+from mobility_imu.readers.flags import flag_column
 from mobility_imu.readers.streams import (
     FACTORS,
     LARGEST_RATE_DIFFERENCE,
@@ -31,6 +32,8 @@ QUANTITIES = {"linear": "speed", "angular": "gyr"}
 LARGEST = {"linear": 40.0, "angular": 70.0}
 """m/s and rad/s: 144 km/h, and twice a gyroscope's usual range of 2000 deg/s. No chair does more,
 so a larger value is damaged, or in another unit."""
+LINEAR, ANGULAR = r"lin", r"ang|yaw"
+"""In the names of both velocities' columns."""
 STANDARD_DEVIATION = r"(?<![a-z])(?:sd|std)(?![a-z])"
 """In the name of a column that holds a standard deviation, not a velocity."""
 WORDS = {
@@ -84,10 +87,10 @@ def read_velocities(
     The columns are found by ``lin`` and by ``ang`` or ``yaw`` in their names, so that headers in
     French, English and Spanish serve alike, and a time column by ``time``, ``temps``, ``tiempo``.
     Columns with ``sd`` or ``std`` as a word in their names hold standard deviations: where one is
-    infinite, empty or below 0, or a column ``valid`` is 0, the velocities are not valid. The names
-    state the units, as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that is not stated is asked
-    for. A time column is in s unless its name states another unit; of several the first is taken,
-    with a warning if one that states no unit counts other times.
+    infinite, empty or below 0, or a column ``valid`` is 0 or a word such as FALSE, the velocities
+    are not valid. The names state the units, as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that
+    is not stated is asked for. A time column is in s unless its name states another unit; of
+    several the first is taken, with a warning if one that states no unit counts other times.
 
     Parameters
     ----------
@@ -107,10 +110,10 @@ def read_velocities(
         value beyond what a chair can do.
     """
     source = str(path)
-    table = parse_numbers(read_text(path), source=source)
+    table = parse_numbers(read_text(path), source=source, wanted=_is_read)
     header, values = table.header, table.numbers
-    linear = _column(table, r"lin", "linear velocity ('lin')")
-    angular = _column(table, r"ang|yaw", "angular velocity ('ang' or 'yaw')")
+    linear = _column(table, LINEAR, "linear velocity ('lin')")
+    angular = _column(table, ANGULAR, "angular velocity ('ang' or 'yaw')")
     clock = [k for k, name in enumerate(header) if _is_clock(name)]
     table.check_finite([linear, angular, *clock])
     if clock:
@@ -119,7 +122,7 @@ def read_velocities(
         _compare_clocks(table, clock)
         _check_given_rate(sampling_rate_hz, rate, source)
     elif sampling_rate_hz is None:
-        counts = [name for name in header if _begins_as_time(name)]
+        counts = [name for name in table.every if _begins_as_time(name)]
         but = f" ({listed(counts)} is taken as a count)" if counts else ""
         raise InputError(
             f"{source}: no time column{but}, so the sampling rate must be given "
@@ -142,8 +145,15 @@ def _valid(table: NumberTable) -> NDArray[np.bool_] | None:
     names = [name.lower().strip() for name in table.header]
     deviations = (table.numbers[:, k] for k in _of_deviations(names))
     unknown = [~((sd >= 0) & (sd < np.inf)) for sd in deviations]
-    unknown += [~(table.numbers[:, k] > 0) for k, name in enumerate(names) if name == "valid"]
+    flags = (k for k, name in enumerate(table.every) if name.lower() == "valid")
+    unknown += [~(flag_column(table, k) > 0) for k in flags]
     return ~np.any(unknown, axis=0) if unknown else None
+
+
+def _is_read(name: str) -> bool:
+    """Whether a column holds numbers that are read; others may hold words, as tasks do."""
+    quantities = (STANDARD_DEVIATION, LINEAR, ANGULAR)
+    return _is_clock(name) or any(re.search(pattern, name.lower()) for pattern in quantities)
 
 
 def _of_deviations(names: list[str]) -> list[int]:
@@ -335,7 +345,5 @@ def _column(table: NumberTable, pattern: str, what: str) -> int:
     ]
     if len(found) != 1:
         state = "no column" if not found else f"{len(found)} columns"
-        raise InputError(
-            f"{table.source}: {state} for the {what} (columns: {listed(table.header)})"
-        )
+        raise InputError(f"{table.source}: {state} for the {what} (columns: {listed(table.every)})")
     return found[0]

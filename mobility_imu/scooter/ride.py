@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,9 +42,11 @@ from mobility_imu.scooter.mount import ScooterMount
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["RideAngles", "RideSettings", "estimate_ride", "usable_samples"]
+__all__ = ["LOSSES", "Remark", "RideAngles", "RideSettings", "estimate_ride", "usable_samples"]
 
 Method = Literal["closed-form", "fusion"]
+LOSSES = {"frozen": "frozen", "range": "saturated", "no gravity": "weightless"}
+"""Words for the faults of an accelerometer that take some samples from it."""
 LARGEST_STATED_MPS2 = 100.0
 """Largest noise of an accelerometer that settings may state."""
 SMALLEST_STATED_MPS2 = SETTING_LIMITS["acc_sd_mps2"][0]
@@ -127,6 +129,23 @@ class RideSettings:
         return ("lever",) if self.single_imu else ("lever", "body")
 
 
+class Remark(NamedTuple):
+    """What an estimate says of a ride.
+
+    Parameters
+    ----------
+    code : "frozen", "range", "no gravity" or "scale", as the :class:`~mobility_imu.faults.Fault` of
+        the same kind; "accelerated" of sensors that were pushed; "estimate" of angles that few
+        samples show or that contradict the readings; "settings" of what a setting says
+    sensor : accelerometer that it is about, such as "lever_acc"; empty for the ride
+    sentence : for the user
+    """
+
+    code: str
+    sensor: str
+    sentence: str
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class RideAngles(Result):
     """Steering and throttle of a ride.
@@ -142,6 +161,7 @@ class RideAngles(Result):
         (a rest in coarse steps is none), and the accelerations do not contradict the filter
     settings : RideSettings; with fusion, ``settings.fusion`` has the sizes that were used
     warnings : sentences for the user
+    remarks : the same sentences, each with its kind and the sensor that it is about
     """
 
     time_s: FloatArray
@@ -152,6 +172,7 @@ class RideAngles(Result):
     valid: NDArray[np.bool_]
     settings: RideSettings
     warnings: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         """Check that all are series of one length."""
@@ -265,7 +286,7 @@ def _estimate(
     acc = {name: ride.sensor(name).acc_mps2 for name in settings.sensors}
     closed = settings.method == "closed-form"
     beside = settings.median_window // 2 if closed else 0
-    usable, warnings = usable_samples(ride, settings.sensors, beside)
+    usable, remarks = usable_samples(ride, settings.sensors, beside)
     if settings.method == "fusion":
         gyr = {name: ride.gyroscope(name) for name in settings.sensors}
     try:
@@ -275,19 +296,21 @@ def _estimate(
             settings = dataclasses.replace(settings, fusion=own)
             angles, used, odds = _fused(acc, gyr, ride.sampling_rate_hz, geometry, mount, settings)
             settings = dataclasses.replace(settings, fusion=used)
-            warnings += [f"{ride.source}: {warning}" for warning in odds]
-            warnings += [*quiet, *_less_known_than_assumed(own, mount)]
+            said = [*quiet, *_less_known_than_assumed(own, mount)]
         else:
             angles, accelerated = _closed_form(acc, geometry, mount, settings)
-            scaled = _scale_warnings(acc, ride.sampling_rate_hz)
-            accelerated = scaled or accelerated  # no acceleration lasts for a whole ride
-            warnings += [f"{ride.source}: {warning}" for warning in accelerated]
-            warnings += _median_warnings(settings.median_window, ride.sampling_rate_hz)
+            scaled = _out_of_scale(acc, ride.sampling_rate_hz)
+            # No acceleration lasts for a whole ride.
+            odds = scaled or tuple(Remark("accelerated", "", text) for text in accelerated)
+            said = _median_warnings(settings.median_window, ride.sampling_rate_hz)
     except InputError as error:
         raise InputError(f"{ride.source}: {error}") from None
     steering, throttle, steering_sd, throttle_sd, valid = angles
-    if valid.mean() < LEAST_VALID and not (odds if settings.method == "fusion" else accelerated):
-        warnings.append(f"{ride.source}: {_few_valid(valid, settings.method)}")
+    remarks += [one._replace(sentence=f"{ride.source}: {one.sentence}") for one in odds]
+    remarks += [Remark("settings", "", text) for text in said]
+    if valid.mean() < LEAST_VALID and not odds:
+        few = f"{ride.source}: {_few_valid(valid, settings.method)}"
+        remarks.append(Remark("estimate", "", few))
     return RideAngles(
         ride.time_s,
         steering,
@@ -296,7 +319,8 @@ def _estimate(
         throttle_sd,
         valid & usable,
         settings,
-        tuple(warnings),
+        tuple(one.sentence for one in remarks),
+        remarks=tuple(remarks),
     )
 
 
@@ -313,7 +337,7 @@ def _few_valid(valid: NDArray[np.bool_], method: Method) -> str:
 
 def usable_samples(
     ride: Recording, names: Sequence[str], beside: int = 0
-) -> tuple[NDArray[np.bool_], list[str]]:
+) -> tuple[NDArray[np.bool_], list[Remark]]:
     """Samples in which no accelerometer is frozen, saturated or weightless; a sentence on others.
 
     Parameters
@@ -327,29 +351,27 @@ def usable_samples(
     Returns
     -------
     usable : (n,) bool array
-    warnings : list of sentences
+    remarks : list of Remark
     """
-    usable, warnings = np.ones(len(ride), bool), []
+    usable, remarks = np.ones(len(ride), bool), []
     for name in names:
         acc, rate_hz = ride.sensor(name).acc_mps2, ride.sampling_rate_hz
         frozen = frozen_samples(acc, rate_hz, follows=_felt(ride, name))
         # An accelerometer that is not in m/s², or dead throughout, is another matter.
         dead = forceless(acc, rate_hz)
-        for what, bad in (
-            ("is frozen", frozen & ~dead),
-            ("is saturated", saturated_samples(acc) & ~held_samples(acc, rate_hz, first=True)),
-            ("is weightless", dead),
-        ):
+        cut = saturated_samples(acc) & ~held_samples(acc, rate_hz, first=True)
+        for (code, what), bad in zip(LOSSES.items(), (frozen & ~dead, cut, dead), strict=True):
             if bad.any():
-                warnings.append(
-                    f"{ride.source}: {name}_acc {what} in {int(bad.sum())} samples, first at "
+                said = (
+                    f"{ride.source}: {name}_acc is {what} in {int(bad.sum())} samples, first at "
                     f"{ride.time_s[np.argmax(bad)]:g} s; they are marked as not valid"
                 )
+                remarks.append(Remark(code, f"{name}_acc", said))
                 usable &= ~bad
         lost = dead | ends_in_a_jump(acc, frozen, at_end=True)
         if beside and lost.any():
             usable &= ~ndimage.binary_dilation(lost, iterations=beside)
-    return usable, warnings
+    return usable, remarks
 
 
 def _felt(ride: Recording, name: str) -> list[FloatArray]:
@@ -466,8 +488,8 @@ def _fused(
     geometry: ScooterGeometry,
     mount: ScooterMount | None,
     settings: RideSettings,
-) -> tuple[tuple[Any, ...], FusionSettings, tuple[str, ...]]:
-    """Angles, standard deviations and flags; what was used; warnings."""
+) -> tuple[tuple[Any, ...], FusionSettings, tuple[Remark, ...]]:
+    """Angles, standard deviations and flags; what was used; remarks."""
     lever_acc, body_acc = _turned(acc, mount)
     lever_gyr, body_gyr = _turned(gyr, mount)
     assert body_acc is not None and body_gyr is not None
@@ -482,7 +504,7 @@ def _fused(
         smooth=settings.smooth,
     )
     contradicted = _contradicted(found, lever_acc, body_acc, sampling_rate_hz, geometry)
-    scaled = _scale_warnings(acc, sampling_rate_hz)
+    scaled = _out_of_scale(acc, sampling_rate_hz)
     if scaled:
         contradicted[:] = True
     angles = (
@@ -494,16 +516,17 @@ def _fused(
     )
     if scaled:
         return angles, found.settings, scaled
+    own = tuple(Remark("estimate", "", text) for text in found.warnings)
     fraction = float(contradicted.mean())
     if fraction <= ACCELERATED_FRACTION:
-        return angles, found.settings, found.warnings
+        return angles, found.settings, own
     warning = (
         f"the filter's angles contradict the accelerations around them in {fraction:.0%} of the "
         f"samples, by more than {np.rad2deg(LARGEST_ERROR_RAD):.0f} deg and three standard "
         "deviations: it went astray, and these samples are marked as not valid; "
         "are the sensors worse than FusionSettings assumes?"
     )
-    return angles, found.settings, (warning, *found.warnings)
+    return angles, found.settings, (Remark("estimate", "", warning), *own)
 
 
 def _contradicted(
@@ -537,13 +560,17 @@ def _contradicted(
     return bad
 
 
-def _scale_warnings(acc: dict[str, FloatArray], sampling_rate_hz: float) -> tuple[str, ...]:
-    """Sentences on accelerometers that read a length of gravity which no sound sensor reads."""
+def _out_of_scale(acc: dict[str, FloatArray], sampling_rate_hz: float) -> tuple[Remark, ...]:
+    """Remarks on accelerometers that read a length of gravity which no sound sensor reads."""
     lengths = {name: wrong_length(values, sampling_rate_hz) for name, values in acc.items()}
     return tuple(
-        f"{name}_acc is out of scale and reads {length:.3g} m/s² of gravity, expected about "
-        f"{STANDARD_GRAVITY_MPS2:.2f}; check the unit and the range that it was exported with; no "
-        "sample is valid"
+        Remark(
+            "scale",
+            f"{name}_acc",
+            f"{name}_acc is out of scale and reads {length:.3g} m/s² of gravity, expected about "
+            f"{STANDARD_GRAVITY_MPS2:.2f}; check the unit and the range that it was exported with; "
+            "no sample is valid",
+        )
         for name, length in lengths.items()
         if length is not None
     )

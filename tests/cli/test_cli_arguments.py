@@ -7,7 +7,7 @@ import pytest
 import typer
 from command_lines import COMMANDS, NAMES, contents
 
-from mobility_imu.cli.main import app
+from mobility_imu.cli.main import _paired_flags, app
 
 COUNT = int(os.environ.get("MOBILITY_IMU_MUTATIONS", "200")) // 2
 VALUES = (
@@ -133,6 +133,15 @@ def test_an_option_that_is_given_twice_is_told(twice, room, works):
     result = works("scooter", "angles", *LINES["scooter angles"], *twice)
     assert "warning: --output is given 2 times; the last one counts" in result.stderr
     assert (room / "b.csv").exists() and not (room / "a.csv").exists()
+
+
+def test_flags_that_say_yes_and_no_are_told(room, works):
+    yes, no = "--slip-correction", "--no-slip-correction"
+    line = ["wheelchair", "velocity", *LINES["wheelchair velocity"], "-o", "out"]
+    says = f"warning: {yes} and {no} are both given; the last one counts"
+    assert says in works(*line, no, yes).stderr
+    assert "are both given" not in works(*line[:-1], no, yes).stderr  # a file of this name
+    assert _paired_flags() >= {(yes, no), ("--smooth", "--no-smooth")}
 
 
 def test_a_value_that_looks_like_an_option_is_not_counted(room, works):

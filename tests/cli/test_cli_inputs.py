@@ -272,3 +272,37 @@ def test_an_impossible_value_is_named_as_typed(room, fails, option, value, says)
     fails("scooter", "angles", *line, "--geometry", "g.toml", "-o", "a.csv", says=[says])
     if option != "--median-window":
         fails("read", *line, says=[says])
+
+
+@pytest.mark.parametrize(
+    ("factor", "says"),
+    [
+        (1.0, "seat repeats body and is left out"),
+        (1 / 9.81, "looks like g; seat: left out, not needed"),
+    ],
+)
+@pytest.mark.parametrize("first", [False, True])
+def test_a_sensor_that_is_not_needed_spoils_no_recording(ride, works, factor, says, first):
+    """A further sensor that copies a needed one, or is in another unit, is left out with a word."""
+    works(*angles())
+    table = pd.read_csv(ride / "ride.csv")
+    body = [name for name in table if name.startswith("body")]
+    for k, name in enumerate(body):
+        place = 1 + k if first else table.shape[1]
+        table.insert(place, name.replace("body", "seat"), table[name] * factor)
+    table.to_csv(ride / "more.csv", index=False)
+    assert says in works(*angles("more.csv", output="b.csv")).stderr
+    assert (ride / "b.csv").read_bytes() == (ride / "a.csv").read_bytes()
+
+
+def test_a_needed_sensor_that_copies_or_is_in_g_is_refused_beside_others(ride, fails):
+    table = pd.read_csv(ride / "ride.csv")
+    for name in [name for name in table if name.startswith("body")]:
+        table[name.replace("body", "seat")] = table[name] / 9.81
+        table[name] = table[name.replace("body", "lever")]
+    table.to_csv(ride / "copy.csv", index=False)
+    fails(*angles("copy.csv"), says=["lever and body have the same readings"])
+    for name in [name for name in table if name.startswith("body")]:
+        table[name] = table[name.replace("body", "seat")]
+    table.to_csv(ride / "g.csv", index=False)
+    fails(*angles("g.csv"), says=["body_acc has a median length of", "looks like g"])

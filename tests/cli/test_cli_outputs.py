@@ -81,6 +81,39 @@ def test_no_output_replaces_an_input(room, fails, command, option, name, as_what
     fails(*command_line(command, **{option.strip("-"): path}), says=says)
 
 
+OPTIONS = [(command, option) for command, (_, _, options) in COMMANDS.items() for option in options]
+
+
+@pytest.mark.parametrize(("command", "option"), OPTIONS)
+def test_no_output_goes_to_standard_output(room, fails, command, option):
+    """By a hyphen, which is no name."""
+    says = [option, "ends in .png" if option == "--figure" else "'-' is no file"]
+    fails(*command_line(command, **{option.strip("-"): "-"}), says=says)
+
+
+@pytest.mark.parametrize("device", ["scooter", "wheelchair", "walker"])
+def test_no_simulation_goes_to_standard_output(tmp_path, fails, device):
+    fails("simulate", device, "--seed", 1, "-o", "-", says=["'-' is no file", "./-"])
+
+
+@pytest.mark.parametrize("name", ["a.csv.gz", "a.CSV.GZ", "a.Csv.Gz", "a.csv", "a.GZIP"])
+def test_a_table_is_packed_if_its_name_says_so(room, works, name):
+    works(*command_line("scooter angles", o=name))
+    packed = (room / name).read_bytes().startswith(b"\x1f\x8b")
+    assert packed == name.lower().endswith(".gz")
+
+
+def test_a_pictures_name_may_end_in_capitals(room, works):
+    works(*command_line("wheelchair tasks", figure="f.PNG", events="e.CSV.GZ"))
+    assert (room / "f.PNG").read_bytes().startswith(b"\x89PNG")
+    assert (room / "e.CSV.GZ").read_bytes().startswith(b"\x1f\x8b")
+
+
+def test_a_file_may_be_called_like_standard_output(room, works):
+    works(*command_line("scooter angles", o="./-"))
+    assert (room / "-").is_file()
+
+
 def test_no_output_replaces_one_file_of_an_xsens_export(room, fails):
     (room / "Trial-frame.txt").write_text("PacketCounter\tAcc_X\n1\t2\n")
     line = ["walker", "trajectory", "Trial", "--geometry", "frame.toml", "-o", "Trial-frame.txt"]

@@ -1,5 +1,6 @@
 """Walking frame on the command line: files as people bring them."""
 
+import numpy as np
 import pandas as pd
 from command_lines import CORRIDOR, calibrate, trajectory
 
@@ -19,3 +20,14 @@ def test_tilts_that_fit_several_orders_name_the_option(tmp_path, fails):
     tilts = pd.read_csv(CORRIDOR / "tilts.csv.gz")
     tilts[tilts["time_s"] < 12].to_csv(tmp_path / "two.csv", index=False)
     fails(*calibrate(tilts="two.csv"), says=["two.csv: ", "in which order (--order"])
+
+
+def test_a_gyroscope_whose_unit_changes_is_named(tmp_path, fails):
+    """Not as a frame that never rests, or as a foot."""
+    table = pd.read_csv(CORRIDOR / "walk.csv.gz")
+    rates = [name for name in table if "_gyr_" in name]
+    table.loc[len(table) // 2 :, rates] *= 180 / np.pi
+    table.to_csv(tmp_path / "walk.csv", index=False)
+    line = trajectory(walk="walk.csv", mount=TRUE_MOUNT)
+    said = fails(*line, says=["walk.csv: frame_gyr", "is it in deg/s there?"])
+    assert "foot" not in said and "rest" not in said

@@ -98,6 +98,15 @@ def test_an_impossible_setting_is_named_by_the_key_of_its_file(tmp_path, fails, 
     fails("wheelchair", "tasks", "v.csv", "-o", "t.csv", "--settings", "s.json", says=[says])
 
 
+@pytest.mark.parametrize("name", ["t.csv", "t.csv.gz"])
+def test_tasks_are_read_again(tmp_path, works, name):
+    """The table of tasks has the velocities that it was made from."""
+    velocity_csv(tmp_path / "v.csv")
+    works("wheelchair", "tasks", "v.csv", "-o", name, "--direction")
+    works("wheelchair", "tasks", name, "-o", "again.csv", "--direction")
+    pd.testing.assert_frame_equal(pd.read_csv(tmp_path / name), pd.read_csv(tmp_path / "again.csv"))
+
+
 def test_no_task_is_named_where_the_velocities_are_not_valid(tmp_path, works):
     table = velocity_csv(tmp_path / "v.csv")
     table["linear_velocity_sd_mps"] = np.where(table["time_s"].between(2, 2.5), np.inf, 0.01)

@@ -9,6 +9,7 @@ from test_dialects import RATE_HZ, made, quietly
 
 from mobility_imu.errors import InputError
 from mobility_imu.readers.clocks import (
+    check_fill,
     check_forward,
     ends_left_out,
     longest_silent_gap,
@@ -200,6 +201,41 @@ def test_a_gap_is_bridged_with_the_length_that_its_message_says(tmp_path, write,
     said = re.search(r"gap of (\S+) s", str(error.value))[1]
     found = quietly(path, fill_gaps_s=float(said))
     assert len(found) == pytest.approx(1000, abs=1)
+
+
+@pytest.mark.filterwarnings("ignore:made")
+@pytest.mark.parametrize("counted", [True, False])
+@pytest.mark.parametrize("gap_s", [59.0, 60.04, 60.2, 600.0])
+def test_a_gap_that_cannot_be_bridged_is_to_be_cut(counted, gap_s):
+    """The advice is one that works: 60 s are filled at most."""
+    time_s = np.arange(9000) / 100
+    time_s[6000:] += gap_s - 0.01
+    streams = {"frame": stream(time_s if counted else time_s + 1e-3 * (time_s % 0.02 > 0.01))}
+    if counted:
+        streams["frame"] = stream(time_s, counted=True)
+    with pytest.raises(InputError, match=r"gap of .*cut the recording there$") as error:
+        one_clock(streams, "made")
+    told = "--fill-gaps-s" in str(error.value)
+    assert told == (gap_s < 60.1)
+    said = float(re.search(r"gap of (\S+) s", str(error.value))[1])
+    if told:
+        one_clock(streams, "made", fill_gaps_s=said)
+    else:
+        with pytest.raises(InputError, match="expected between 0 and 60 s"):
+            check_fill(said)
+
+
+@pytest.mark.filterwarnings("ignore:made")
+def test_gaps_that_add_too_many_samples_are_to_be_cut():
+    """Neither one gap of several that is too long, nor too many samples in all, can be filled."""
+    for gaps_s in ([1.0, 600.0], [50.0, 50.0, 50.0]):
+        time_s = np.arange(4000) / 100
+        for k, gap_s in enumerate(gaps_s):
+            time_s[1000 * (k + 1) :] += gap_s
+        streams = {"frame": stream(time_s, counted=True)}
+        for fill_gaps_s in (0.0, 2.0):
+            with pytest.raises(InputError, match=r"gap of .*; cut the recording at its gaps$"):
+                one_clock(streams, "made", fill_gaps_s=fill_gaps_s)
 
 
 @pytest.mark.parametrize(

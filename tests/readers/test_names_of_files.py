@@ -32,6 +32,16 @@ def test_words_with_accents_tell_sensors(tmp_path, form):
     assert set(quietly(tmp_path / "Essai").sensors) == set(CHAIR)
 
 
+def test_exports_may_end_in_capitals(tmp_path):
+    exports(tmp_path / "t", ("Trial-Frame", "Trial-LeftWheel", "Trial-RightWheel"))
+    wanted = quietly(tmp_path / "t" / "Trial")
+    for path in list((tmp_path / "t").iterdir()):
+        path.rename(path.with_suffix(".TXT"))
+    assert_same(quietly(tmp_path / "t" / "Trial"), wanted)
+    with pytest.raises(InputError, match=r"are given by the beginning of their names, as .*Trial"):
+        quietly(tmp_path / "t")
+
+
 def test_an_export_without_a_sensors_word_is_told(tmp_path):
     exports(tmp_path, ("Trial-Frame", "Trial-LeftWheel", "Trial-Head"))
     (tmp_path / "Trial-notes.txt").write_text("a windy day\n")
@@ -107,3 +117,24 @@ def test_a_file_whose_name_has_a_comma_is_one_file(tmp_path):
     recording.to_frame().to_csv(path, index=False)
     for name in (path, [path], [f"frame={path}"]):
         assert_same(quietly(name), recording)
+
+
+@pytest.mark.parametrize("typed", [".", "..", "inner/.."])
+def test_the_current_folder_is_named_as_typed(tmp_path, monkeypatch, typed):
+    """Not by the whole path; a recording and its sensor are called by the folder's own name."""
+    place = tmp_path / "left"
+    (place / "inner").mkdir(parents=True)
+    monkeypatch.chdir(place / "inner" if typed == ".." else place)
+    with pytest.raises(InputError, match=f"^{typed}: is a folder or archive without") as error:
+        quietly(typed)
+    assert str(tmp_path) not in str(error.value)
+    folder = dialects.ngimu(made(("left_wheel",)), tmp_path)
+    (sensors,) = folder.rglob("sensors.csv")
+    shutil.move(sensors, place)
+    found = understand(typed, expected=("frame", "left_wheel"))
+    assert set(found.recording.sensors) == {"left_wheel"}
+    assert found.recording.source == "left"
+    text = (place / "sensors.csv").read_text().split("\n")
+    (place / "sensors.csv").write_text("\n".join([*text[:50], "1,2", *text[50:]]))
+    with pytest.raises(InputError, match=f"^{typed}/sensors.csv: line 51"):
+        quietly(typed)

@@ -81,10 +81,7 @@ def test_other_packed_files_are_named(tmp_path, pack, kind):
 
 
 def test_a_name_in_gz_may_lead_to_a_file_that_a_browser_unpacked(tmp_path):
-    """A server may send a packed file so that the browser unpacks it, under the packed one's name.
-
-    Commands also write such a file if the name ends in .GZ.
-    """
+    """A server may send a packed file which the browser unpacks under the packed one's name."""
     path = tmp_path / "own.csv.GZ"
     dialects.canonical(made(), tmp_path).rename(path)
     assert_same(quietly(path), made())

@@ -136,7 +136,8 @@ def test_a_row_that_lacks_a_number_is_named_with_what_to_do(mapped):
     text = rows(",").split("\n")
     text[7] = re.sub(r",[^,]*$", ",NaN", text[7])
     with pytest.raises(
-        InputError, match=r"line 8, column gz: .* remove the row and give --fill-gaps"
+        InputError,
+        match=r"line 8, column gz: .* remove the row; --fill-gaps-s .* bridges gaps of up to 60 s",
     ):
         mapped("\n".join(text))
     with pytest.raises(InputError, match="line 7, column gz"):

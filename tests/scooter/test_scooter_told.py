@@ -67,8 +67,11 @@ def test_a_ride_with_few_valid_samples_says_why():
     found = estimate_ride(bad, SUZUKI_ET4D, mount(), RideSettings(median_window=25))
     assert found.valid.mean() < 0.5
     assert any("of the samples are valid: the others fit no angles" in w for w in found.warnings)
+    assert tuple(one.sentence for one in found.remarks) == found.warnings
     unsure = replace(FUSION, acc_noise_mps2=100.0)
-    (told,) = estimate_ride(ride(), SUZUKI_ET4D, mount(), unsure).warnings
+    found = estimate_ride(ride(), SUZUKI_ET4D, mount(), unsure)
+    (told,) = found.warnings
+    assert found.remarks == (("estimate", "", told),)
     assert "leave the steering uncertain by 20 deg or more" in told
 
 

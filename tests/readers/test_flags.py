@@ -1,0 +1,78 @@
+"""Columns of truth values and of words beside numbers, as pandas, R and spreadsheets write them."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from mobility_imu.errors import InputError
+from mobility_imu.readers.rests import read_rests
+from mobility_imu.readers.velocities import read_velocities
+
+TIME_S = np.arange(300) / 100
+GOOD = TIME_S < 2
+WORDS = [
+    ("True", "False"), ("TRUE", "FALSE"), ("T", "F"), ("yes", "no"), ("1", "0"), ("1.0", "0.0"),
+    ("VRAI", "FAUX"), ("oui", "non"), ("VERDADERO", "FALSO"), ("sí", "no"), ("TRUE", "NA"),
+    ("yes", ""),
+]  # fmt: skip
+DRESSES = [{}, {"sep": ";", "decimal": ","}, {"quoting": 1}, {"sep": "\t"}]
+
+
+def velocities(path, valid, dress=None, **more):
+    table = {"time_s": TIME_S, "linear_velocity_mps": 1.25, "yaw_rate_degps": 30.5}
+    pd.DataFrame(table | more | {"valid": valid}).to_csv(path, index=False, **dress or {})
+    return path
+
+
+@pytest.mark.parametrize("dress", DRESSES)
+@pytest.mark.parametrize("words", WORDS)
+def test_validity_is_read_in_words(tmp_path, words, dress):
+    if words == ("TRUE", "NA"):  # as R writes what is missing
+        dress = dress | {"quoting": 0}
+    path = velocities(tmp_path / "v.csv", np.where(GOOD, *words), dress)
+    assert np.array_equal(read_velocities(path).valid, GOOD)
+
+
+@pytest.mark.parametrize("dress", DRESSES)
+@pytest.mark.parametrize("words", WORDS[:10])
+def test_rests_are_read_in_words(tmp_path, words, dress):
+    table = pd.DataFrame({"time_s": TIME_S, "stationary": np.where(GOOD, *words)})
+    table.to_csv(tmp_path / "r.csv", index=False, **dress)
+    assert np.array_equal(read_rests(tmp_path / "r.csv", TIME_S), GOOD)
+
+
+@pytest.mark.parametrize("word", ["WAHR", "maybe", "ok"])
+def test_a_word_that_says_neither_is_named_with_its_line(tmp_path, word):
+    path = velocities(tmp_path / "v.csv", np.where(GOOD, "yes", word))
+    says = rf"v\.csv: line 202, column valid: got '{word}', expected 1 or 0, TRUE or FALSE"
+    with pytest.raises(InputError, match=says):
+        read_velocities(path)
+    table = pd.DataFrame({"time_s": TIME_S, "stationary": np.where(GOOD, "yes", word)})
+    table.to_csv(tmp_path / "r.csv", index=False)
+    with pytest.raises(InputError, match=r"r\.csv: line 202, column stationary: got"):
+        read_rests(tmp_path / "r.csv", TIME_S)
+
+
+def test_rests_without_their_column_or_with_two(tmp_path):
+    table = pd.DataFrame({"time_s": TIME_S, "note": "by eye"})
+    table.to_csv(tmp_path / "r.csv", index=False)
+    with pytest.raises(InputError, match=r"no column stationary \(it has: time_s, note\)"):
+        read_rests(tmp_path / "r.csv", TIME_S)
+    table.assign(stationary=1, Stationary=0).to_csv(tmp_path / "r.csv", index=False)
+    with pytest.raises(InputError, match="column stationary stands twice"):
+        read_rests(tmp_path / "r.csv", TIME_S)
+
+
+@pytest.mark.parametrize("dress", DRESSES)
+def test_columns_of_words_beside_velocities_are_passed_over(tmp_path, dress):
+    """As the table of tasks has them."""
+    words = {"task_code": 3, "task": "tight rotation", "note": "a, b; c"}
+    path = velocities(tmp_path / "v.csv", 1, dress, **words)
+    found = read_velocities(path)
+    assert found.valid.all() and np.allclose(found.linear_velocity_mps, 1.25)
+
+
+def test_columns_that_are_missing_are_told_with_those_of_the_file(tmp_path):
+    (tmp_path / "v.csv").write_text("task,what\nstatic,1\n")
+    with pytest.raises(InputError, match=r"no column for the linear .*\(columns: task, what\)"):
+        read_velocities(tmp_path / "v.csv")
