@@ -86,6 +86,24 @@ def inputs(tmp_path_factory):
     return folder
 
 
+@pytest.fixture(scope="session")
+def scooter(tmp_path_factory):
+    """Folder with what ``simulate scooter --seed 3`` writes."""
+    folder = tmp_path_factory.mktemp("scooter")
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(SystemExit) as left:
+        patch.setattr(sys, "argv", ["", "simulate", "scooter", "--seed", "3", "-o", str(folder)])
+        main()
+    assert left.value.code == 0
+    return folder
+
+
+@pytest.fixture
+def simulated(scooter, tmp_path):
+    """The files of a simulated scooter in the folder of a test, as hard links."""
+    for path in scooter.iterdir():
+        os.link(path, tmp_path / path.name)
+
+
 @pytest.fixture
 def room(inputs, tmp_path):
     """Folder of a test with these inputs, as hard links: nothing may change them."""

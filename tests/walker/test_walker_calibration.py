@@ -10,13 +10,14 @@ from walker_recordings import (
     FRAME,
     cut_out,
     errors,
+    pose_mount,
     rebuilt,
     tilt_recording,
 )
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.reproduction.walker.tables import POSES, pose_mount
+from mobility_imu.reproduction.walker.tables import POSES
 from mobility_imu.simulation.levels import LEVELS, REAL_LEVEL, tilt_run
 from mobility_imu.simulation.sensor import IDEAL, MTI_1, REAL
 from mobility_imu.simulation.walker import (

@@ -6,7 +6,7 @@ from dataclasses import replace
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.reproduction.walker.tables import pose_mount
+from mobility_imu.reproduction.walker import tables
 from mobility_imu.simulation.sensor import MTI_1, without
 from mobility_imu.simulation.walker import (
     CORRIDOR,
@@ -18,6 +18,8 @@ from mobility_imu.simulation.walker import (
 from mobility_imu.walker.geometry import FOOTPRINT as FRAME
 from mobility_imu.walker.geometry import TILT_DIRECTIONS
 
+pose_mount = functools.cache(tables.pose_mount)
+"""Mounting of one pose: 10 ms from the printed tables, and some tests need it a hundred times."""
 DATASHEET = without(MTI_1, "scale_sd", "misalignment_sd_rad", "g_sensitivity_sd")
 
 
