@@ -11,6 +11,7 @@ from typing import get_args, get_origin, get_type_hints
 
 import pytest
 from command_lines import COMMANDS, NAMES
+from matplotlib.figure import Figure
 
 from mobility_imu import files
 from mobility_imu.cli.main import app
@@ -208,7 +209,13 @@ def short():
         yield
 
 
-@pytest.mark.usefixtures("short")
+@pytest.fixture
+def plain(monkeypatch):
+    """Figures are empty: where they go is tried, not what they show."""
+    monkeypatch.setattr("mobility_imu.plots.wheelchair.chronogram", lambda *_, **__: Figure())
+
+
+@pytest.mark.usefixtures("short", "plain")
 def test_new_files_have_the_users_mask(room, works, mask):
     works(*command_line("wheelchair tasks"))
     works("simulate", "wheelchair", "--seed", 1, "-o", "sim")
@@ -254,6 +261,7 @@ def nth(request):
     return request.param
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize("call", ["fsync", "replace"])
 @pytest.mark.parametrize("old", [True, False], ids=["old files there", "new names"])
 def test_of_several_outputs_all_are_written_or_none(room, fails, monkeypatch, nth, call, old):
@@ -281,6 +289,7 @@ def break_at(monkeypatch, call, nth, error=None):
     monkeypatch.setattr(files.os, call, failing)
 
 
+@pytest.mark.usefixtures("plain")
 def test_of_several_outputs_without_hard_links(room, fails, monkeypatch):
     """Old files are kept as copies where the file system has no hard links."""
     for name in NAMES.values():
@@ -290,6 +299,7 @@ def test_of_several_outputs_without_hard_links(room, fails, monkeypatch):
     fails(*command_line("wheelchair tasks"), says=["No space left"])
 
 
+@pytest.mark.usefixtures("plain")
 def test_an_interrupt_leaves_nothing(room, run, monkeypatch):
     before = sorted(room.rglob("*"))
     break_at(monkeypatch, "replace", 2, KeyboardInterrupt())

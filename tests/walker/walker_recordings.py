@@ -15,6 +15,8 @@ from mobility_imu.simulation.walker import (
     simulate_tilts,
     simulate_walk,
 )
+from mobility_imu.walker.calibration import calibrate_from_path
+from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import FOOTPRINT as FRAME
 from mobility_imu.walker.geometry import TILT_DIRECTIONS
 
@@ -68,3 +70,8 @@ def cut_out(recording, keep):
     return Recording(
         recording.time_s[keep], {"frame": Imu(imu.acc_mps2[keep], imu.gyr_radps[keep])}
     )
+
+
+def placed(recording, geometry, **options):
+    """Calibration without what the sensor's errors do: the same mount in a tenth of the time."""
+    return calibrate_from_path(navigate_recording(recording)[0], geometry, **options)
