@@ -11,13 +11,11 @@ from typing import get_args, get_origin, get_type_hints
 
 import pytest
 from command_lines import COMMANDS, NAMES
-from matplotlib.figure import Figure
 
 from mobility_imu import files
 from mobility_imu.cli.main import app
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs
-from mobility_imu.simulation import bundle
 
 
 def command_line(command, **outputs):
@@ -195,6 +193,8 @@ DEVICES = ("scooter", "wheelchair", "walker")
 @functools.cache
 def beginning(device):
     """The first ten rows of the tables that a simulation writes, and its texts."""
+    from mobility_imu.simulation import bundle
+
     contents = getattr(bundle, f"{device}_bundle")(1)
     return {k: v if isinstance(v, str) else v.head(10) for k, v in contents.items()}
 
@@ -205,14 +205,9 @@ def short():
     contents = {device: beginning(device) for device in DEVICES}
     with pytest.MonkeyPatch.context() as patch:
         for device in DEVICES:
-            patch.setattr(bundle, f"{device}_bundle", lambda *_, d=device, **__: contents[d])
+            name = f"mobility_imu.simulation.bundle.{device}_bundle"
+            patch.setattr(name, lambda *_, d=device, **__: contents[d])
         yield
-
-
-@pytest.fixture
-def plain(monkeypatch):
-    """Figures are empty: where they go is tried, not what they show."""
-    monkeypatch.setattr("mobility_imu.plots.wheelchair.chronogram", lambda *_, **__: Figure())
 
 
 @pytest.mark.usefixtures("short", "plain")

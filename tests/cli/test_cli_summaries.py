@@ -26,6 +26,7 @@ def lines_of(result):
 NEED_POSES = ("scooter calibrate", "scooter check")
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize("command", [c for c in COMMANDS if c not in NEED_POSES])
 def test_every_command_says_what_it_read_and_wrote(room, works, command):
     arguments, inputs, options = COMMANDS[command]

@@ -10,15 +10,6 @@ from command_lines import CORRIDOR, calibrate, trajectory
 TRUE_MOUNT = CORRIDOR / "true_mount.toml"
 
 
-@pytest.fixture(scope="session")
-def short(tmp_path_factory):
-    """The first 20 s of the bundled walk."""
-    path = tmp_path_factory.mktemp("short") / "walk.csv"
-    walk = pd.read_csv(CORRIDOR / "walk.csv.gz")
-    walk[walk["time_s"] < 20].to_csv(path, index=False)
-    return path
-
-
 def end_sd(path):
     return path[["x_sd_m", "y_sd_m"]].iloc[-1]
 
