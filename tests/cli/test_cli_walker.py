@@ -71,7 +71,7 @@ def test_commands_write_what_the_library_finds(tmp_path, short, works):
 
 
 def test_options(short, works, fails):
-    works(*calibrate(), "--no-smooth", "--form", "printed", "--method", "four-tilts")
+    works(*calibrate(), "--no-smooth", "--form", "printed", "--method", "two-tilts")
     for options in (["--no-smooth"], ["--closed-loop"]):
         works(*trajectory(walk=short), *options)
     assert "no step found" in works(*trajectory(walk=CORRIDOR / "tilts.csv.gz")).stderr
