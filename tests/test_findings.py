@@ -1,6 +1,7 @@
 """Findings about the three works: quoted word for word, of a kind, and borne out by a check."""
 
 import ast
+import functools
 import inspect
 import os
 import re
@@ -43,9 +44,16 @@ def test_findings_are_numbered_without_a_gap_and_have_a_known_kind():
     assert sum(sum(kinds.values()) for kinds in counts().values()) == len(findings())
 
 
+@functools.cache
+def evidence_of(identity):
+    """Numbers of a finding's check, computed once."""
+    (finding,) = (f for f in findings() if f.id == identity)
+    return finding.evidence()
+
+
 @pytest.mark.parametrize("finding", findings(), ids=lambda f: f.id)
 def test_every_finding_is_borne_out_and_its_opposite_is_not(finding):
-    evidence = finding.evidence()
+    evidence = evidence_of(finding.id)
     assert evidence
     for item in evidence:
         assert item.holds(), item
@@ -150,12 +158,19 @@ def numbers_of(text):
     return re.findall(r"(?<![\w.])\d+(?:\.\d+)?(?![\w.]*\d)", plain)
 
 
+@functools.cache
+def printed(work):
+    """Every cell of a work's tables as it is in the print."""
+    return set().union(*(set(load_published(name)["printed"]) for name in TABLES[work]))
+
+
 @pytest.mark.parametrize("finding", findings(), ids=lambda f: f.id)
 def test_numbers_of_a_verdict_are_those_of_its_check(finding):
-    known = [abs(x) for e in finding.evidence() for x in (e.first, e.second, e.truth) if x == x]
-    cells = set().union(*(set(load_published(name)["printed"]) for name in TABLES[finding.work]))
+    evidence = evidence_of(finding.id)
+    known = [abs(x) for e in evidence for x in (e.first, e.second, e.truth) if x == x]
+    cells = printed(finding.work)
     told = " ".join(finding.quotation) + " ".join(
-        f"{e.what} {e.first_from} {e.second_from}" for e in finding.evidence()
+        f"{e.what} {e.first_from} {e.second_from}" for e in evidence
     )
     for number in numbers_of(finding.verdict):
         digits = len(number.partition(".")[2])

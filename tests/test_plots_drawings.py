@@ -1,5 +1,6 @@
 """The explanatory drawings: their lengths and directions are right, and their labels readable."""
 
+import functools
 import json
 import re
 import tomllib
@@ -145,26 +146,32 @@ def shown(figure):
     ]
 
 
+@functools.cache
+def drawn(name):
+    """Width of a drawing in inches, its page, and text, size in points and box of its letters."""
+    figure = DRAWINGS[name]()
+    letters = [(text.get_text(), text.get_fontsize(), box) for text, box in shown(figure)]
+    return figure.get_figwidth(), figure.bbox.frozen(), letters
+
+
 class TestReadable:
     @pytest.mark.parametrize("name", DRAWINGS)
     def test_letters_are_9_px_on_a_phone(self, name):
-        figure = DRAWINGS[name]()
-        for text, _ in shown(figure):
-            on_phone = text.get_fontsize() / 72 * 360 / figure.get_figwidth()
+        width, _, letters = drawn(name)
+        for text, size, _ in letters:
+            on_phone = size / 72 * 360 / width
             assert on_phone >= 9.0, text
 
     @pytest.mark.parametrize("name", DRAWINGS)
     def test_labels_do_not_overlap_and_lie_on_the_page(self, name):
-        figure = DRAWINGS[name]()
-        found = shown(figure)
-        page = figure.bbox
-        for text, box in found:
+        _, page, letters = drawn(name)
+        for text, _, box in letters:
             assert page.x0 - 2 <= box.x0 and box.x1 <= page.x1 + 2, text
             assert page.y0 - 2 <= box.y0 and box.y1 <= page.y1 + 2, text
-        for (one, a), (other, b) in combinations(found, 2):
+        for (one, _, a), (other, _, b) in combinations(letters, 2):
             across = min(a.x1, b.x1) - max(a.x0, b.x0)
             along = min(a.y1, b.y1) - max(a.y0, b.y0)
-            assert across < 2 or along < 3, (one.get_text(), other.get_text())
+            assert across < 2 or along < 3, (one, other)
 
 
 class TestScooter:

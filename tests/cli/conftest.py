@@ -5,6 +5,7 @@ import shutil
 import sys
 from typing import NamedTuple
 
+import pandas as pd
 import pytest
 from command_lines import CORRIDOR, COURT, contents, rests_csv, scooter_ride, velocity_csv
 
@@ -76,14 +77,47 @@ def inputs(tmp_path_factory):
     velocity_csv(folder / "velocity.csv")
     (folder / "settings.json").write_text('{"segment_s": 0.25}')
     (folder / "poses.csv").write_text("steering_deg,throttle_deg\n0,0\n")
-    for name in ("court", "static", "straight"):
-        shutil.copy(COURT / f"{name}.csv.gz", folder)
-    for name in ("tilts", "walk"):
-        shutil.copy(CORRIDOR / f"{name}.csv.gz", folder)
+    for path in (COURT / "static.csv.gz", COURT / "straight.csv.gz", CORRIDOR / "tilts.csv.gz"):
+        shutil.copy(path, folder)
     rests_csv(folder / "rests.csv")
+    for path in (COURT / "court.csv.gz", CORRIDOR / "walk.csv.gz", folder / "rests.csv"):
+        table = pd.read_csv(path)
+        table[table["time_s"] < 20].to_csv(folder / path.name, index=False)
     shutil.copy(COURT / "geometry.toml", folder / "chair.toml")
     shutil.copy(CORRIDOR / "true_mount.toml", folder / "frame.toml")
     return folder
+
+
+@pytest.fixture(scope="session")
+def scooter(tmp_path_factory):
+    """Folder with what ``simulate scooter --seed 3`` writes."""
+    folder = tmp_path_factory.mktemp("scooter")
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(SystemExit) as left:
+        patch.setattr(sys, "argv", ["", "simulate", "scooter", "--seed", "3", "-o", str(folder)])
+        main()
+    assert left.value.code == 0
+    return folder
+
+
+@pytest.fixture
+def simulated(scooter, tmp_path):
+    """The files of a simulated scooter in the folder of a test, as hard links."""
+    for path in scooter.iterdir():
+        os.link(path, tmp_path / path.name)
+
+
+@pytest.fixture
+def short(inputs):
+    """The first 20 s of the bundled walk."""
+    return inputs / "walk.csv.gz"
+
+
+@pytest.fixture
+def plain(monkeypatch):
+    """Figures are empty: that they are written is tried, not what they show."""
+    from matplotlib.figure import Figure
+
+    monkeypatch.setattr("mobility_imu.plots.wheelchair.chronogram", lambda *_, **__: Figure())
 
 
 @pytest.fixture

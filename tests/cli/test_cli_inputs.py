@@ -88,14 +88,14 @@ def test_faulty_mount_of_a_walker(tmp_path, fails, text, says):
     fails(*trajectory(mount="bad.toml"), says=["bad.toml", says])
 
 
-def test_what_the_commands_write_is_known(tmp_path, works):
+def test_what_the_commands_write_is_known(tmp_path, short, works):
     """The mount of one command is the geometry of the next, with standard deviations."""
     works(*calibrate())
     text = (tmp_path / "m.toml").read_text()
     assert "translation_sd_m" in text and "rotation_sd_rad" in text
-    works(*trajectory())
+    works(*trajectory(walk=short))
     (tmp_path / "m.toml").rename(tmp_path / "before.toml")
-    works(*calibrate(geometry="before.toml"))
+    works(*calibrate(geometry="before.toml"), "--method", "two-tilts")
 
 
 def corruptions(packed, count):

@@ -1,5 +1,6 @@
 """An output replaces neither an input nor anything but a regular file; several are all or none."""
 
+import functools
 import inspect
 import os
 import socket
@@ -219,6 +220,30 @@ def mask(request):
     os.umask(old)
 
 
+DEVICES = ("scooter", "wheelchair", "walker")
+
+
+@functools.cache
+def beginning(device):
+    """The first ten rows of the tables that a simulation writes, and its texts."""
+    from mobility_imu.simulation import bundle
+
+    contents = getattr(bundle, f"{device}_bundle")(1)
+    return {k: v if isinstance(v, str) else v.head(10) for k, v in contents.items()}
+
+
+@pytest.fixture
+def short():
+    """Simulations write a few rows: where they go is tried, not what they hold."""
+    contents = {device: beginning(device) for device in DEVICES}
+    with pytest.MonkeyPatch.context() as patch:
+        for device in DEVICES:
+            name = f"mobility_imu.simulation.bundle.{device}_bundle"
+            patch.setattr(name, lambda *_, d=device, **__: contents[d])
+        yield
+
+
+@pytest.mark.usefixtures("short", "plain")
 def test_new_files_have_the_users_mask(room, works, mask):
     works(*command_line("wheelchair tasks"))
     works("simulate", "wheelchair", "--seed", 1, "-o", "sim")
@@ -264,6 +289,7 @@ def nth(request):
     return request.param
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize("call", ["fsync", "replace"])
 @pytest.mark.parametrize("old", [True, False], ids=["old files there", "new names"])
 def test_of_several_outputs_all_are_written_or_none(room, fails, monkeypatch, nth, call, old):
@@ -291,6 +317,7 @@ def break_at(monkeypatch, call, nth, error=None):
     monkeypatch.setattr(files.os, call, failing)
 
 
+@pytest.mark.usefixtures("plain")
 def test_of_several_outputs_without_hard_links(room, fails, monkeypatch):
     """Old files are kept as copies where the file system has no hard links."""
     for name in NAMES.values():
@@ -300,6 +327,7 @@ def test_of_several_outputs_without_hard_links(room, fails, monkeypatch):
     fails(*command_line("wheelchair tasks"), says=["No space left"])
 
 
+@pytest.mark.usefixtures("plain")
 def test_an_interrupt_leaves_nothing(room, run, monkeypatch):
     before = sorted(room.rglob("*"))
     break_at(monkeypatch, "replace", 2, KeyboardInterrupt())
@@ -309,7 +337,8 @@ def test_an_interrupt_leaves_nothing(room, run, monkeypatch):
     assert sorted(room.rglob("*")) == before
 
 
-@pytest.mark.parametrize("device", ["scooter", "wheelchair", "walker"])
+@pytest.mark.usefixtures("short")
+@pytest.mark.parametrize("device", DEVICES)
 def test_a_failed_simulation_leaves_nothing(tmp_path, fails, monkeypatch, device):
     line = ["simulate", device, "--seed", 1, "-o"]
     break_at(monkeypatch, "replace", 2)

@@ -11,19 +11,22 @@ from command_lines import velocity
 MODULE = [sys.executable, "-m", "mobility_imu"]
 
 
-def test_from_files_to_a_file(tmp_path):
+def test_from_files_to_a_file(inputs, tmp_path):
     """Another folder, no terminal: exit code 0, the file, and with --quiet silence."""
     result = subprocess.run(
-        [*MODULE, *map(str, velocity()), "--quiet"], cwd=tmp_path, capture_output=True, text=True
+        [*MODULE, *map(str, velocity(inputs / "court.csv.gz")), "--quiet"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
     )
     assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
     assert [path.name for path in tmp_path.iterdir()] == ["v.csv"]
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")
-def test_standard_output_on_a_full_disk(tmp_path):
+def test_standard_output_on_a_full_disk(inputs, tmp_path):
     """One line and exit code 2, also from what the interpreter does at its end."""
-    trials = map(str, velocity()[2:-2])
+    trials = map(str, velocity(inputs / "court.csv.gz")[2:-2])
     with open("/dev/full", "w") as full:
         result = subprocess.run(
             [*MODULE, "wheelchair", "check", *trials],

@@ -15,11 +15,6 @@ def named_first(line, fault, refusal):
     assert 0 < line.index(fault) < line.index("the estimate refuses: ") < line.index(refusal)
 
 
-@pytest.fixture
-def simulated(works):
-    works("simulate", "scooter", "--seed", 3, "-o", ".")
-
-
 def spoil(path, how):
     table = pd.read_csv(path)
     how(table)

@@ -2,16 +2,33 @@
 
 import json
 
+import pytest
 
+from mobility_imu.reproduction import scorecard as computed
+
+
+@pytest.fixture
+def once(monkeypatch):
+    """What the commands of a test compute is computed by the first of them."""
+    kept, compute = {}, computed.scorecard
+
+    def scorecard(work=None, **options):
+        if work not in kept:
+            kept[work] = compute(work, **options)
+        return kept[work]
+
+    monkeypatch.setattr(computed, "scorecard", scorecard)
+
+
+@pytest.mark.usefixtures("once")
 def test_reproduce_on_the_terminal_and_as_json(works):
     table = works("reproduce", "--work", "walker")
     assert "9.6525" in table.stdout and "differs" in table.stdout
     records = json.loads(works("reproduce", "--work", "walker", "--json").stdout)
     wrong = {r["where"] for r in records if r["verdict"] == "differs"}
     # Which ones differ is held by test_walker_audit.py; here, that the command says the same.
-    from mobility_imu.reproduction.scorecard import scorecard
-
-    assert wrong == {o.claim.where for o in scorecard("walker") if o.verdict == "differs"}
+    outcomes = computed.scorecard("walker")
+    assert wrong == {o.claim.where for o in outcomes if o.verdict == "differs"}
     for record in records:
         assert (record["tolerance"] is None) == (record["tolerance_reason"] is None)
 

@@ -49,11 +49,6 @@ def test_bad_input(tmp_path, fails):
     fails(*angles(), says=["9.81", "looks like g"])
 
 
-@pytest.fixture
-def simulated(works):
-    works("simulate", "scooter", "--seed", 3, "-o", ".")
-
-
 @pytest.mark.usefixtures("simulated")
 def test_from_parked_poses_to_smoothed_angles(tmp_path, works):
     """Calibrated and smoothed, the steering error is less than half of the paper's method."""

@@ -7,13 +7,24 @@ PARKED = ("parked_level.csv.gz", "parked_ramp.csv.gz")
 POSES = ("--poses", "poses.csv")
 
 
+@pytest.fixture(scope="module")
+def written():
+    """Text of the calibrated scooter, once it was written."""
+    return []
+
+
 @pytest.fixture
-def simulated(works):
-    works("simulate", "scooter", "--seed", 3, "-o", ".")
-    works("scooter", "calibrate", *PARKED, "--geometry", "geometry.toml", *POSES, "-o", "s.toml")
+def calibrated(simulated, works, written, tmp_path):
+    """The simulated scooter with a mount by its parked recordings."""
+    path = tmp_path / "s.toml"
+    if not written:
+        line = ("scooter", "calibrate", *PARKED, "--geometry", "geometry.toml", *POSES, "-o", path)
+        works(*line)
+        written.append(path.read_text())
+    path.write_text(written[0])
 
 
-@pytest.mark.usefixtures("simulated")
+@pytest.mark.usefixtures("calibrated")
 @pytest.mark.parametrize("method", ["closed-form", "fusion"])
 def test_a_calibrated_scooter_agrees_with_its_stops(tmp_path, works, method):
     options = ("--geometry", "s.toml", *POSES, "--method", method, "--sensors", "calibrated")
@@ -54,7 +65,7 @@ def test_a_gap_of_a_parked_recording_is_bridged_as_the_message_says(fails, works
     assert "gap(s) filled in with 6" in works(*line, "--fill-gaps-s", 0.07).stderr
 
 
-@pytest.mark.usefixtures("simulated")
+@pytest.mark.usefixtures("calibrated")
 def test_poses_of_another_order_differ(tmp_path, works):
     poses = pd.read_csv(tmp_path / "poses.csv")
     poses[::-1].to_csv(tmp_path / "reversed.csv", index=False)
@@ -64,7 +75,7 @@ def test_poses_of_another_order_differ(tmp_path, works):
     assert "- differs: " in told and not (tmp_path / "c.csv").exists()
 
 
-@pytest.mark.usefixtures("simulated")
+@pytest.mark.usefixtures("calibrated")
 def test_bad_input(tmp_path, fails):
     usual = ("scooter", "check", PARKED[0], "--geometry", "s.toml")
     fails(*usual, says=["--poses"])

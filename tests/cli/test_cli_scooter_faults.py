@@ -15,11 +15,6 @@ from mobility_imu.scooter.force import PoseLength
 FUSION = ("--method", "fusion")
 
 
-@pytest.fixture
-def simulated(works):
-    works("simulate", "scooter", "--seed", 3, "-o", ".")
-
-
 def spoil(folder, how, name="bad.csv"):
     ride = pd.read_csv(folder / "ride.csv.gz")
     how(ride)
@@ -105,7 +100,7 @@ def test_the_closed_form_says_that_it_does_not_use_gyroscopes(tmp_path, works):
 def test_poses_in_radians_are_told_and_refused_if_strict(tmp_path, works, fails):
     poses = pd.read_csv(tmp_path / "poses.csv")
     np.deg2rad(poses).to_csv(tmp_path / "rad.csv", index=False)
-    line = ["scooter", "calibrate", "parked_level.csv.gz", "parked_ramp.csv.gz"]
+    line = ["scooter", "calibrate", "parked_level.csv.gz"]
     line += ["--geometry", "geometry.toml", "--poses", "rad.csv", "-o", "m.toml"]
     assert "the poses fit no mount" in works(*line).stderr
     assert "the poses miss this mount by" in (tmp_path / "m.toml").read_text()

@@ -49,7 +49,8 @@ def test_simulations_work_without_the_reproduction(tmp_path):
     code = (
         "import sys; sys.modules['mobility_imu.reproduction'] = None\n"
         "from mobility_imu.__main__ import main\n"
-        f"sys.argv = ['', 'simulate', 'walker', '--seed', '1', '-o', {str(tmp_path / 'new')!r}]\n"
+        f"sys.argv = ['', 'simulate', 'walker', '--seed', '1', '-o', {str(tmp_path / 'new')!r},"
+        " '--course', 'timed-up-and-go']\n"
         "main()"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

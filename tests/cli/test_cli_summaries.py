@@ -26,6 +26,7 @@ def lines_of(result):
 NEED_POSES = ("scooter calibrate", "scooter check")
 
 
+@pytest.mark.usefixtures("plain")
 @pytest.mark.parametrize("command", [c for c in COMMANDS if c not in NEED_POSES])
 def test_every_command_says_what_it_read_and_wrote(room, works, command):
     arguments, inputs, options = COMMANDS[command]
@@ -84,12 +85,12 @@ def test_a_check_keeps_standard_output_for_its_table(works):
     assert lines_of(result)[1:] == ["geometry: fits"]
 
 
-def test_a_walk_tells_its_end_and_its_steps(works, tmp_path):
+def test_a_walk_tells_its_end_and_its_steps(works, short, tmp_path):
     _, used, place, turns, _ = lines_of(works(*calibrate()))
     assert used == "tilts used: front, back, right, left"
     assert place.startswith("IMU at x, y, z = ") and place.endswith(" mm")
     assert turns.startswith("sd of roll, pitch, yaw: ") and turns.endswith(" deg")
-    walk = ["walker", "trajectory", CORRIDOR / "walk.csv.gz", "--geometry", "m.toml"]
+    walk = ["walker", "trajectory", short, "--geometry", "m.toml"]
     _, end, turn, steps, _ = lines_of(works(*walk, "-o", "path.csv", "--steps", "s.csv"))
     path = pd.read_csv(tmp_path / "path.csv").iloc[-1]
     assert end == (

@@ -127,21 +127,34 @@ def test_no_task_is_named_where_the_velocities_are_not_valid(tmp_path, works):
     assert "not valid" in without
 
 
-def test_lags_of_clocks_are_not_in_the_standard_deviations(tmp_path, works):
-    """The numbers of the page on how to use the book, of three courts."""
+def test_lags_of_clocks_are_not_in_the_standard_deviations():
+    """The numbers of the page on how to use the book, of the courts that the command simulates."""
+    from mobility_imu.simulation.sensor import REAL
+    from mobility_imu.simulation.wheelchair import (
+        COURT,
+        STATIC_TRIAL,
+        STRAIGHT_TRIAL,
+        random_mounting,
+        simulate_court,
+    )
+    from mobility_imu.wheelchair import SAMPLE_CHAIR, calibrate_mount, estimate_velocity
+
     speeds, yaws = [], []
     for seed in (1, 2, 3):
-        folder = tmp_path / f"court{seed}"
-        works("simulate", "wheelchair", "--seed", seed, "--level", "real", "-o", folder)
-        files = {"static": folder / "static.csv.gz", "straight": folder / "straight.csv.gz"}
-        trial = folder / "court.csv.gz"
-        works(*velocity(trial, geometry=folder / "geometry.toml", **files))
-        found, truth = pd.read_csv("v.csv"), pd.read_csv(folder / "truth.csv.gz")
+        static, straight, court = (
+            simulate_court(
+                legs, SAMPLE_CHAIR, random_mounting(seed), seed=k, unit_seed=seed, model=REAL
+            )
+            for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT), 1000 * seed)
+        )
+        by = calibrate_mount(static.recording, straight.recording)
+        found = estimate_velocity(court.recording, SAMPLE_CHAIR, by.mount, offsets=by.offsets)
+        table, truth = found.to_frame(), court.truth()
         for name, sd, into in (
             ("linear_velocity_mps", "linear_velocity_sd_mps", speeds),
             ("yaw_rate_degps", "yaw_rate_sd_degps", yaws),
         ):
-            into.append(((found[name] - truth[name]).abs() < 2 * found[sd]).mean())
+            into.append(((table[name] - truth[name]).abs() < 2 * table[sd]).mean())
     assert (round(100 * min(yaws)), round(100 * max(yaws))) == (62, 66)
     assert (round(100 * min(speeds)), round(100 * max(speeds))) == (80, 93)
 
@@ -301,7 +314,9 @@ def test_strict_looks_at_the_sensors_that_a_command_uses(tmp_path, works, fails)
 
         return change
 
-    command = velocity()
+    court = pd.read_csv(COURT / "court.csv.gz")
+    court[court["time_s"] < 15].to_csv(tmp_path / "short.csv", index=False)
+    command = velocity(tmp_path / "short.csv")
     straight = command.index("--straight") + 1
     kept = command[straight]
     command[straight] = changed(tmp_path, kept, "acc.csv", hold("acc"))

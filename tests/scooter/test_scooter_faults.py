@@ -1,5 +1,6 @@
 """Scooter, faults: each kind is told at a clear size with its cost, and sound rides are silent."""
 
+import functools
 import pickle
 from dataclasses import replace
 
@@ -58,6 +59,12 @@ FAULTS = {
 }  # fmt: skip
 
 
+@functools.cache
+def angles_between(first_s, last_s):
+    """Of the sound ride, uncalibrated, from one time to another."""
+    return estimate_ride(ride().trim(first_s, last_s + 0.001), SUZUKI_ET4D, None, FUSION)
+
+
 @pytest.mark.parametrize("name", FAULTS)
 def test_each_fault_is_told_with_what_it_costs(name):
     """The stated cost of the angle that is moved most is right within a factor of two.
@@ -70,8 +77,8 @@ def test_each_fault_is_told_with_what_it_costs(name):
     found = find_faults(faulty, SUZUKI_ET4D, None, FUSION)
     assert (found[0].code, found[0].sensor) == (code, sensor)
     assert found[0].sentence.startswith("simulated ride, curves: ")
-    first, last = faulty.time_s[[0, -1]]
-    sound = estimate_ride(ride().trim(first, last + 0.001), SUZUKI_ET4D, None, FUSION)
+    first, last = faulty.time_s[[0, -1]].tolist()
+    sound = angles_between(first, last)
     real = moved_deg(estimate_ride(faulty, SUZUKI_ET4D, None, FUSION), sound)
     costs = {cost.name: cost.largest for cost in found[0].costs}
     most = int(np.argmax(real))
@@ -224,8 +231,15 @@ def test_what_is_missing_is_refused():
         find_faults(ride(), None)
 
 
+@functools.cache
+def of_a_late_lever():
+    """The recording, and what is found in it."""
+    late = put.late(ride(), "lever", 0.2)
+    return late, find_faults(late, SUZUKI_ET4D, None, FUSION)
+
+
 def test_faults_can_be_pickled():
-    found = find_faults(put.late(ride(), "lever", 0.2), SUZUKI_ET4D, None, FUSION)
+    _, found = of_a_late_lever()
     (again,) = pickle.loads(pickle.dumps(found))
     assert again.told == found[0].told
     assert len(again.repair(ride())) == len(ride())
@@ -387,8 +401,7 @@ def test_a_refused_repair_takes_no_other_faults_cost():
     def refuse(recording):
         raise InputError("nothing comes back")
 
-    late = put.late(ride(), "lever", 0.2)
-    (lag,) = find_faults(late, SUZUKI_ET4D, None, FUSION)
+    late, (lag,) = of_a_late_lever()
     flags = np.arange(len(late)) == 700
     lost = Fault("spike", "body_acc", 7.0, flags, "is lost", repair=refuse)
     found = scooter_faults._priced(

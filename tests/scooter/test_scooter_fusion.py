@@ -93,12 +93,20 @@ def noisy_rides():
     ]
 
 
+@pytest.fixture(scope="module")
+def estimated(noisy_rides):
+    """Their angles, by the filter (False) and by the smoother (True)."""
+    return {
+        smooth: [fused(ride, STATED, smooth=smooth) for ride in noisy_rides]
+        for smooth in (False, True)
+    }
+
+
 # One sd holds 68.3 % of a Gaussian; the bounds are those the project set before any run.
 @pytest.mark.parametrize("smooth", [False, True])
-def test_filter_states_its_own_error(noisy_rides, smooth):
+def test_filter_states_its_own_error(noisy_rides, estimated, smooth):
     shares = []
-    for ride in noisy_rides:
-        angles = fused(ride, STATED, smooth=smooth)
+    for ride, angles in zip(noisy_rides, estimated[smooth], strict=True):
         shares.append(
             (
                 share_within(angles.steering_rad - ride.steering_rad, angles.steering_sd_rad),
@@ -127,19 +135,17 @@ def test_closed_form_states_its_own_error(noisy_rides):
     assert 0.60 <= np.mean(shares) <= 0.76
 
 
-def test_smoother_beats_filter_beats_closed_form(noisy_rides):
-    def rms(estimate):
-        return np.sqrt(np.mean([np.mean((estimate(r) - r.steering_rad) ** 2) for r in noisy_rides]))
+def test_smoother_beats_filter_beats_closed_form(noisy_rides, estimated):
+    def rms(found):
+        pairs = zip(found, noisy_rides, strict=True)
+        return np.sqrt(np.mean([np.mean((f.steering_rad - r.steering_rad) ** 2) for f, r in pairs]))
 
     def closed(ride):
         sensors = ride.recording.sensors
-        return estimate_angles(
-            sensors["lever"].acc_mps2, sensors["body"].acc_mps2, SUZUKI_ET4D
-        ).steering_rad
+        return estimate_angles(sensors["lever"].acc_mps2, sensors["body"].acc_mps2, SUZUKI_ET4D)
 
-    causal = rms(lambda ride: fused(ride, STATED, smooth=False).steering_rad)
-    whole = rms(lambda ride: fused(ride, STATED).steering_rad)
-    assert whole < causal < 0.3 * rms(closed)
+    causal, whole = rms(estimated[False]), rms(estimated[True])
+    assert whole < causal < 0.3 * rms(map(closed, noisy_rides))
 
 
 def test_ideal_sensors_give_the_truth():

@@ -8,12 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.spatial.transform import Rotation
-from walker_recordings import FRAME, cut_out, tilt_recording
+from walker_recordings import FRAME, cut_out, pose_mount, tilt_recording
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_kinds import clean_walk
-from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.simulation.levels import LEVELS
 from mobility_imu.simulation.walker import CORRIDOR, REALISTIC, attach_imu, simulate_walk
 from mobility_imu.walker import (

@@ -10,13 +10,15 @@ from walker_recordings import (
     FRAME,
     cut_out,
     errors,
+    placed,
+    pose_mount,
     rebuilt,
     tilt_recording,
 )
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.reproduction.walker.tables import POSES, pose_mount
+from mobility_imu.reproduction.walker.tables import POSES
 from mobility_imu.simulation.levels import LEVELS, REAL_LEVEL, tilt_run
 from mobility_imu.simulation.sensor import IDEAL, MTI_1, REAL
 from mobility_imu.simulation.walker import (
@@ -89,8 +91,8 @@ def test_calibration_is_as_good_as_asked_with_all_that_a_sensor_does(seeds):
 
 def test_width_and_height_need_no_tape_with_the_whole_arcs():
     """A wrong width moves nothing when both side tilts are there; the arcs say what it is."""
-    right = calibrate_mount(tilt_recording(2), FRAME)
-    wrong = calibrate_mount(tilt_recording(2), WalkerGeometry(0.70, 0.52))
+    right = placed(tilt_recording(2), FRAME)
+    wrong = placed(tilt_recording(2), WalkerGeometry(0.70, 0.52))
     assert np.allclose(
         right.mount.translation_body_m[1:], wrong.mount.translation_body_m[1:], atol=2e-3
     )
@@ -100,8 +102,8 @@ def test_width_and_height_need_no_tape_with_the_whole_arcs():
 def test_realistic_tilting_is_calibrated_within_a_few_centimetres():
     places = [
         errors(
-            calibrate_from_path(
-                navigate_recording(tilt_recording(seed, pose, MTI_1, REALISTIC))[0],
+            placed(
+                tilt_recording(seed, pose, MTI_1, REALISTIC),
                 measured_geometry(FRAME, REALISTIC, seed),
             ),
             pose,

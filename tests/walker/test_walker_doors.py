@@ -9,12 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from walker_recordings import FRAME, changed, rebuilt, tilt_recording, walked
+from walker_recordings import FRAME, changed, pose_mount, rebuilt, tilt_recording, walked
 
 import mobility_imu.walker as walker
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
 from mobility_imu.simulation.sensor import IDEAL

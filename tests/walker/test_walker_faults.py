@@ -6,6 +6,7 @@ import pickle
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from walker_recordings import placed
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
@@ -16,7 +17,6 @@ from mobility_imu.walker import (
     NavigationSettings,
     WalkerGeometry,
     WalkerMount,
-    calibrate_mount,
     estimate_trajectory,
     find_faults,
     find_tilt_faults,
@@ -212,7 +212,7 @@ def test_tilts_are_looked_at_too():
     tilts = walk.tilts.recording
     scaled = inject.scale(tilts, "frame", "gyr", 1.1)
     (fault,) = [f for f in find_tilt_faults(scaled, walk.tape) if f.code == "scale"]
-    clean, wrong = (calibrate_mount(r, walk.tape).mount for r in (tilts, scaled))
+    clean, wrong = (placed(r, walk.tape).mount for r in (tilts, scaled))
     turn = wrong.rotation_imu_to_body @ clean.rotation_imu_to_body.T
     moved = {
         "position of the IMU": np.linalg.norm(wrong.translation_body_m - clean.translation_body_m),
@@ -231,7 +231,7 @@ def test_tilts_stated_half_a_turn_off_cannot_be_told_apart_before_a_walk():
     walk = walked()
     half = ("back", "front", "left", "right")
     assert find_tilt_faults(walk.tilts.recording, walk.tape, order=half) == ()
-    mount = calibrate_mount(walk.tilts.recording, walk.tape, order=half).mount
+    mount = placed(walk.tilts.recording, walk.tape, order=half).mount
     assert "turned" in {fault.code for fault in found_in(walk.walk.recording, mount)}
 
 

@@ -13,12 +13,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from walker_recordings import pose_mount
 
 from mobility_imu._compiled import HAVE_NUMBA
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.reproduction.walker.studies import DATASHEET
-from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.runs import runs_of
 from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
 from mobility_imu.walker import _kernel, navigation

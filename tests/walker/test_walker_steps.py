@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from walker_recordings import pose_mount
 
 from mobility_imu.errors import InputError
-from mobility_imu.reproduction.walker.tables import POSES, pose_mount
+from mobility_imu.reproduction.walker.tables import POSES
 from mobility_imu.simulation.sensor import MTI_1, without
 from mobility_imu.simulation.walker import (
     CORRIDOR,

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from walker_recordings import DATASHEET, FRAME, changed, cut_out, errors, tilt_recording
+from walker_recordings import DATASHEET, FRAME, changed, cut_out, errors, pose_mount, tilt_recording
 
 from mobility_imu.errors import InputError
-from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.simulation.sensor import IDEAL
 from mobility_imu.simulation.walker import (
     CORRIDOR,

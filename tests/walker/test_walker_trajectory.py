@@ -12,6 +12,7 @@ from walker_recordings import (
     DATASHEET,
     FRAME,
     cut_out,
+    pose_mount,
     rebuilt,
     walked,
 )
@@ -19,7 +20,7 @@ from walker_recordings import (
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.reproduction.walker.tables import POSES, pose_mount
+from mobility_imu.reproduction.walker.tables import POSES
 from mobility_imu.simulation.sensor import IDEAL, MTI_1
 from mobility_imu.simulation.walker import (
     CORRIDOR,

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from scipy import stats
 from scipy.spatial.transform import Rotation
-from walker_recordings import FRAME, changed, rebuilt
+from walker_recordings import FRAME, changed, pose_mount, rebuilt
 
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.reproduction.walker.tables import POSES, pose_mount
+from mobility_imu.reproduction.walker.tables import POSES
 from mobility_imu.simulation.sensor import IDEAL, MTI_1, without
 from mobility_imu.simulation.walker import (
     CORRIDOR,
