@@ -13,6 +13,7 @@ from walker_recordings import FRAME, cut_out, tilt_recording
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_kinds import clean_walk
+from mobility_imu.reproduction.walker.fault_motions import up_a_ramp
 from mobility_imu.reproduction.walker.tables import pose_mount
 from mobility_imu.simulation.levels import LEVELS
 from mobility_imu.simulation.walker import CORRIDOR, REALISTIC, attach_imu, simulate_walk
@@ -73,6 +74,17 @@ def on_ramp(degrees):
             rotation_body_to_world=turn @ motion.rotation_body_to_world,
         )
     )
+
+
+@pytest.mark.parametrize("degrees", [9.0, 5.0, -8.0])
+def test_a_ramp_that_z_follows_is_no_fault(degrees):
+    """It begins level. The filter drops the height of a leaning frame; a late half was told."""
+    walk = attached(up_a_ramp(corridor(), np.deg2rad(degrees)))
+    path = estimate_trajectory(walk.recording, FRAME, MOUNT)
+    rise = walk.position_body_m[-1, 2] - walk.position_body_m[0, 2]
+    assert abs(rise) > 0.7
+    assert abs(path.position_m[-1, 2] - rise) < 4 * path.position_sd_m[-1, 2] + 0.02
+    assert told(walk.recording) == ()
 
 
 def told(recording, **options):
