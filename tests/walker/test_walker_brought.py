@@ -15,6 +15,7 @@ from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_kinds import clean_walk
 from mobility_imu.reproduction.walker.fault_motions import up_a_ramp
 from mobility_imu.reproduction.walker.tables import pose_mount
+from mobility_imu.simulation import faults as inject
 from mobility_imu.simulation.levels import LEVELS
 from mobility_imu.simulation.walker import CORRIDOR, REALISTIC, attach_imu, simulate_walk
 from mobility_imu.walker import (
@@ -267,6 +268,31 @@ def test_a_sensor_that_is_turned_on_the_way_is_told(degrees):
     bent = estimate_trajectory(recording, walk.tape, walk.mount)
     valid = valid_samples(bent, found)
     assert valid[bent.time_s < 15].all() and not valid[-1]
+
+
+def test_a_sensor_that_is_turned_after_three_steps_is_told():
+    """It was told as one that was turned throughout, or not at all."""
+    walk = clean()
+    path = estimate_trajectory(walk.walk.recording, walk.tape, walk.mount)
+    third = walk.walk.motion.steps[2].place_s
+    found = find_faults(
+        remounted(60, path.time_s[path.stationary & (path.time_s > third)][5]),
+        walk.tape,
+        walk.mount,
+    )
+    (turned,) = [fault for fault in found if fault.code == "turned"]
+    assert "further to the" in turned.sentence and not turned.flags.all()
+    assert abs(turned.size) == pytest.approx(60, abs=12)
+    assert abs(turned.first_s - third) < 6
+
+
+def test_readings_that_come_twice_make_no_end_of_a_range():
+    """One axis seemed to end at 5.9 m/s², while another read twice as much."""
+    walk = clean_walk(312_048, "real", with_sd=False)
+    sound = walk.walk.recording
+    assert find_faults(sound, walk.tape, walk.mount) == ()
+    cut = inject.clip(sound, "frame", "acc", 10.0)
+    assert "range" in {f.code for f in find_faults(cut, walk.tape, walk.mount)}
 
 
 @pytest.mark.parametrize("axis", [0, 2])
