@@ -12,6 +12,7 @@ from mobility_imu.reproduction.walker.fault_kinds import (
     DRAWN_BY,
     FLOOR_KINDS,
     KINDS,
+    LATER_KINDS,
     TILT_KINDS,
     clean_walk,
 )
@@ -25,6 +26,8 @@ from mobility_imu.simulation.walker import CORRIDOR, simulate_walk
 
 RECORD = "faults_walker"
 TOLD, RIGHT, TOLD_LARGE = 0.85, 0.83, 0.95
+TOLD_LATER = 0.4
+"""Of floors and of an IMU that is turned on the way: their limits are those of moves and steps."""
 
 
 OWN_SEED = 502_000
@@ -188,6 +191,9 @@ def test_what_the_record_says_of_all_kinds():
     kept = numbers(RECORD)
     cases = faults.table(kept)
     matter = cases[(cases["ratio"] > faults.MATTERS) & (cases["found_as"] != "refused")]
+    later = matter["kind"].isin(LATER_KINDS)
+    assert later.any() and (matter[later]["found_as"] != "").mean() >= TOLD_LATER
+    matter = matter[~later]
     told, right = (matter["found_as"] != "").mean(), matter["right"].mean()
     assert 0.98 > told >= TOLD and right >= RIGHT, (told, right)
     large = matter[matter["ratio"] > 10]

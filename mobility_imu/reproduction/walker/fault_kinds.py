@@ -38,6 +38,7 @@ __all__ = [
     "DRAWN_BY",
     "FLOOR_KINDS",
     "KINDS",
+    "LATER_KINDS",
     "MOTION_KINDS",
     "TILT_KINDS",
     "Injected",
@@ -403,8 +404,8 @@ def start_turns(walk: Walked, rng: np.random.Generator) -> Injected:
 
 
 def turned_while_walked(walk: Walked, rng: np.random.Generator) -> Injected:
-    """The IMU is turned by 2 to 180 deg about the vertical between 20 and 80 % of the walk."""
-    size, motion = _size(rng, 2.0, 180.0), walk.walk.motion
+    """The IMU is turned by 0.2 to 180 deg about the vertical between 20 and 80 % of the walk."""
+    size, motion = _size(rng, 0.2, 180.0), walk.walk.motion
     turn = _sign(rng) * np.deg2rad(size)
     when = rng.uniform(0.2, 0.8) * float(motion.time_s[-1])
     fits = turned_on_the_way(motion, MOUNTS[walk.pose], turn, when)
