@@ -414,7 +414,8 @@ def _step(
     pull = np.einsum("m,pmk,mk->pm", weight, slopes, rest)
     # Few moves leave little scatter beside as many unknowns.
     free = max(1.0, here.size - len(errors)) / here.size
-    by_moves = inverse @ (pull @ pull.T) @ inverse / free
+    # What the moves hardly show is as unsure as it is known beforehand.
+    by_moves = inverse @ (pull @ pull.T / free + known) @ inverse
     by_size = inverse * max(float((weight[:, None] * rest**2).mean()) / free, 1e-9)
     return change, np.sqrt(np.maximum(np.diag(by_moves), np.diag(by_size)))
 
