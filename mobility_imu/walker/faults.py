@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.faults import Cost, Fault, largest_change, with_costs
+from mobility_imu.faults import Cost, Fault, half_of, largest_change, with_costs
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.health import examine
 from mobility_imu.recording import Recording
@@ -61,6 +61,11 @@ __all__ = ["find_faults", "find_tilt_faults", "not_told", "valid_samples"]
 NEGLIGIBLE = {"m": 1e-3, "deg": 0.01}
 """A range whose end costs less is not told: a sensor with coarse steps repeats its largest value by
 chance. A millimetre, and what turns 5 m by one: our choice, not swept."""
+BEYOND_END, OFTEN_AT_END = 1.1, 0.05
+"""All axes of a half have one range, but for calibration, which is some per cent. So an axis that
+ends below another's readings by more than the first was not cut there: samples that come twice, or
+were filled in, made a peak of few steps flat. One that is at its end for the second part of all
+samples is stuck there."""
 MOST_FILLED = 0.5
 """Part of a recording up to which straight lines are gaps; beyond it all was interpolated. Our
 choice, not swept."""
@@ -417,13 +422,25 @@ def _of_sensors(
     A line has finer steps than a coarse sensor, whose rests then look frozen: with a gap counts
     what is found without its samples as well.
     """
-    found = [fault for fault in examine(recording) if not is_of_a_gap(fault, filled)]
+    found = [
+        fault
+        for fault in examine(recording)
+        if not (is_of_a_gap(fault, filled) or _is_a_flat_peak(fault, recording))
+    ]
     if found and 0 < filled.mean() < MOST_FILLED:
         short = {
             (fault.code, fault.sensor) for fault in examine(without_samples(recording, filled))
         }
         found = [fault for fault in found if (fault.code, fault.sensor) in short]
     return [with_reach(fault, recording, stillness) for fault in found]
+
+
+def _is_a_flat_peak(fault: Fault, recording: Recording) -> bool:
+    """Whether an axis seems to be cut where another axis of the same half reads on."""
+    if fault.code != "range" or fault.flags.mean() > OFTEN_AT_END:
+        return False
+    half = half_of(recording, FRAME, fault.sensor.removeprefix(f"{FRAME}_"))
+    return bool(np.abs(half).max() > BEYOND_END * fault.size)
 
 
 def _with_readings(recording: Recording, found: list[Fault], more: list[Fault]) -> list[Fault]:

@@ -68,7 +68,9 @@ def floor_faults(
         return
     ends = np.array([(span.start, span.stop - 1) for span in moves.spans])
     ways = found.position_m[ends[:, 1], :2] - found.position_m[ends[:, 0], :2]
-    heights = moves.misfit[:, 5]
+    # On a slope of some degrees the filter drops the update, and z follows the floor.
+    heights, gained = moves.misfit[:, 5], np.diff(found.position_m[ends, 2], axis=1)[:, 0]
+    heights = np.where(heights == 0, 0.0, heights - gained)
     high = np.abs(heights) > KERB_M
     slope = slope_of_floor(ways, heights)
     sloping = ways @ slope

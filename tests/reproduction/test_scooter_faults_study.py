@@ -12,6 +12,8 @@ from mobility_imu.errors import InputError
 from mobility_imu.reproduction import recorded
 from mobility_imu.reproduction.scooter import fault_cases as cases
 from mobility_imu.reproduction.scooter import faults as study
+from mobility_imu.scooter.faults import find_faults
+from mobility_imu.scooter.geometry import SUZUKI_ET4D
 
 
 @pytest.fixture(scope="module")
@@ -97,6 +99,38 @@ def test_so_many_sound_rides_tell_the_aim_from_twice_the_limit():
     most = int(LARGEST_ACCUSED * study.CLEAN_RIDES)
     assert stats.binom.sf(most, study.CLEAN_RIDES, AIM) < 0.01
     assert stats.binom.cdf(most, study.CLEAN_RIDES, 2 * LARGEST_ACCUSED) < 0.05
+
+
+def test_later_kinds_leave_the_cases_of_the_others_alone(table):
+    """A kind's number is a part of its seed: all are as the record has them."""
+    assert sorted(cases.DRAWN_BY.values()) == list(range(len(cases.KINDS) + 1))
+    assert (cases.DRAWN_BY["clock"], cases.DRAWN_BY[cases.POSES]) == (12, 13)
+    ride = cases.ride_of(3)
+    for kind in ("frozen", "spikes", "clock"):
+        rng = np.random.default_rng([cases.SEED, cases.DRAWN_BY[kind], 3])
+        case = cases.KINDS[kind].draw(ride.recording, rng)
+        row = table[table["kind"] == kind].iloc[3 * cases.cases_of(kind, 3)]
+        assert (case.sensor, case.size) == (row["sensor"], pytest.approx(row["size"], rel=0.01))
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_exchanged_halves_are_told_as_those(number):
+    """Of both sensors one half, and each time another part of the ride."""
+    ride, kind = cases.ride_of(number, 502_000), cases.KINDS["exchanged halves"]
+    rng = np.random.default_rng([502_000, number])
+    drawn = [kind.draw(ride.recording, rng) for _ in range(4)]
+    assert len({case.sensor for case in drawn}) == 2
+    for case in drawn:
+        faulty = case.faulty()
+        first, last = faulty.time_s[[0, -1]]
+        part = ride.recording.trim(first - 1e-6, last + 1e-6)
+        for half, values in (("acc", "acc_mps2"), ("gyr", "gyr_radps")):
+            of = {"lever": "body", "body": "lever"} if half in case.sensor else {}
+            for name in ("lever", "body"):
+                right = getattr(part.sensor(of.get(name, name)), values)
+                assert np.array_equal(getattr(faulty.sensor(name), values), right)
+    (found,) = find_faults(drawn[0].faulty(), SUZUKI_ET4D, ride.mount, cases.FUSION)
+    assert (found.code, found.sensor) == ("exchanged", drawn[0].sensor)
 
 
 def test_counts_add_up():

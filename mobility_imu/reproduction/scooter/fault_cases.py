@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.frames import FloatArray
-from mobility_imu.recording import Recording
+from mobility_imu.recording import Imu, Recording
 from mobility_imu.scooter.calibration import calibrate_mount
 from mobility_imu.scooter.geometry import SUZUKI_ET4D
 from mobility_imu.scooter.mount import ScooterMount
@@ -212,6 +212,20 @@ def _exchanged(ride: Recording, rng: np.random.Generator) -> Case:
     return Case("lever, body", float("nan"), lambda: put.exchange(part, "lever", "body"))
 
 
+def _exchanged_halves(ride: Recording, rng: np.random.Generator) -> Case:
+    """Both gyroscopes or both accelerometers, each time of another part of a ride."""
+    part, half = _part(ride, rng), _half(rng)
+    lever, body = part.sensor("lever"), part.sensor("body")
+    if half == "acc":  # the other half of the others
+        lever, body = body, lever
+    wrong = {
+        "lever": Imu(lever.acc_mps2, body.gyr_radps),
+        "body": Imu(body.acc_mps2, lever.gyr_radps),
+    }
+    faulty = Recording(part.time_s, {**part.sensors, **wrong}, source=part.source)
+    return Case(f"lever_{half}, body_{half}", float("nan"), lambda: faulty)
+
+
 def _part(ride: Recording, rng: np.random.Generator) -> Recording:
     """Ride from a second or some on, without up to some at the end."""
     first, last = rng.uniform(0, 5, 2)
@@ -263,8 +277,18 @@ KINDS: dict[str, Kind] = {
     "reversed gyroscope": Kind(_reversed, "", ("reversed",)),
     "left-handed axes": Kind(_left_handed, "", ("left-handed", "reversed")),
     "clock": Kind(_clock, "s", ("refused",)),
+    "exchanged halves": Kind(_exchanged_halves, "", ("exchanged",)),
 }
 """Kinds of faults; sizes are drawn log-uniformly from harmless to gross."""
+POSES = "poses"
+LATER_KINDS = ("exchanged halves",)
+DRAWN_BY = {
+    kind: number
+    for number, kind in enumerate(
+        [*(kind for kind in KINDS if kind not in LATER_KINDS), POSES, *LATER_KINDS]
+    )
+}
+"""Number that the cases of a kind are drawn by; a later kind leaves those of the others alone."""
 
 
 @cache

@@ -24,8 +24,10 @@ from mobility_imu.recording import Recording
 from mobility_imu.reproduction.real_files import Numbers
 from mobility_imu.reproduction.scooter.fault_cases import (
     CASES,
+    DRAWN_BY,
     FUSION,
     KINDS,
+    POSES,
     RIDES,
     SEED,
     SEEN_SEED,
@@ -80,8 +82,8 @@ def rows_of(ride: int) -> list[list[Any]]:
     """
     clean = ride_of(ride)
     rows = []
-    for place, (name, kind) in enumerate(KINDS.items()):
-        rng = np.random.default_rng([SEED, place, ride])
+    for name, kind in KINDS.items():
+        rng = np.random.default_rng([SEED, DRAWN_BY[name], ride])
         for _ in range(cases_of(name, ride)):
             case = kind.draw(clean.recording, rng)
             rows.append([name, clean.level, case.sensor, case.size, kind.unit, *told_of(
@@ -217,7 +219,7 @@ def pose_rows(number: int) -> list[list[Any]]:
     list of rows; ``moved_sds`` is the largest turn of an IMU in its standard deviations; a pose is
     rightly told by its number, or as one that fits no mount
     """
-    seed, rng = SEED + number, np.random.default_rng([SEED, len(KINDS), number])
+    seed, rng = SEED + number, np.random.default_rng([SEED, DRAWN_BY[POSES], number])
     parked = [
         simulate_parked(pitch_rad=pitch, bank_rad=0.0, seed=2 * seed + k, unit=draw_scooter(seed))
         for k, pitch in enumerate((0.0, float(np.deg2rad(5))))
@@ -237,7 +239,7 @@ def pose_rows(number: int) -> list[list[Any]]:
         turns = np.concatenate([turn.as_rotvec() for turn in apart])
         found_as = _found_as(wrong)
         named = found_as in ("misfit", f"pose {place + 1}")
-        rows.append(["poses", "LPMS, calibrated", "poses", size, "deg",
+        rows.append([POSES, "LPMS, calibrated", POSES, size, "deg",
                      float(np.abs(turns / right.sd_rad).max()), found_as.split()[0] if found_as
                      else "", int(named), np.nan, np.nan, np.nan, np.nan])  # fmt: skip
     return rows
@@ -288,7 +290,7 @@ LEVELS = ("LPMS, calibrated", "LPMS", "real")
 
 
 def _order(row: list[Any]) -> int:
-    return [*KINDS, "poses"].index(row[0])
+    return [*KINDS, POSES].index(row[0])
 
 
 def _cell(value: Any) -> str:

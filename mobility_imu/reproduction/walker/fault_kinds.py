@@ -13,12 +13,16 @@ from mobility_imu.recording import Recording
 from mobility_imu.reproduction.walker.fault_motions import (
     foot_motion,
     loose_start,
+    over_kerbs,
     rolling_motion,
     shaken,
+    turned_on_the_way,
+    up_a_ramp,
 )
 from mobility_imu.simulation import faults as inject
 from mobility_imu.simulation.levels import LEVELS, MOUNTS, REAL_LEVEL, Level, tilt_run, unit_of
 from mobility_imu.simulation.walker import (
+    CORRIDOR,
     Leg,
     SimulatedWalker,
     WalkerMotion,
@@ -30,7 +34,17 @@ from mobility_imu.walker.follow import navigate_recording
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection, WalkerGeometry
 from mobility_imu.walker.mount import WalkerMount
 
-__all__ = ["KINDS", "MOTION_KINDS", "TILT_KINDS", "Injected", "Walked", "clean_walk"]
+__all__ = [
+    "DRAWN_BY",
+    "FLOOR_KINDS",
+    "KINDS",
+    "LATER_KINDS",
+    "MOTION_KINDS",
+    "TILT_KINDS",
+    "Injected",
+    "Walked",
+    "clean_walk",
+]
 
 COURSE = (Leg(2.5, np.pi / 2), Leg(1.5, np.pi / 2))
 """Fifteen steps or so, and two corners: 50 s."""
@@ -389,6 +403,33 @@ def start_turns(walk: Walked, rng: np.random.Generator) -> Injected:
     return replace(_given(walk, truth.recording, FRAME, size, "deg"), truth=truth)
 
 
+def turned_while_walked(walk: Walked, rng: np.random.Generator) -> Injected:
+    """The IMU is turned by 0.2 to 180 deg about the vertical between 20 and 80 % of the walk."""
+    size, motion = _size(rng, 0.2, 180.0), walk.walk.motion
+    turn = _sign(rng) * np.deg2rad(size)
+    when = rng.uniform(0.2, 0.8) * float(motion.time_s[-1])
+    fits = turned_on_the_way(motion, MOUNTS[walk.pose], turn, when)
+    return _given(walk, walk.followed(fits).recording, FRAME, size, "deg")
+
+
+def kerbs(walk: Walked, rng: np.random.Generator) -> Injected:
+    """One to five steps go 0.003 to 0.3 m up or down; a sill has 0.02 m, a stair 0.17 m."""
+    size, motion = _size(rng, 0.003, 0.3), walk.walk.motion
+    steps = rng.choice(len(motion.steps), int(rng.integers(1, 6)), replace=False).tolist()
+    motion = over_kerbs(motion, steps, [_sign(rng) * size for _ in steps])
+    truth = walk.followed(motion)
+    return replace(_given(walk, truth.recording, FRAME, size, "m"), truth=truth)
+
+
+def ramp(walk: Walked, rng: np.random.Generator) -> Injected:
+    """All but the first metre of 10 m goes 0.05 to 10 deg up or down; 3.4 deg are 6 %."""
+    size = _size(rng, 0.05, 10.0)
+    slope, seed = _sign(rng) * np.deg2rad(size), int(rng.integers(1 << 30))
+    level = simulate_walk(CORRIDOR, seed=seed, imperfections=walk.level.imperfections)
+    truth = walk.followed(up_a_ramp(level, slope))
+    return replace(_given(walk, truth.recording, FRAME, size, "deg"), truth=truth)
+
+
 def tilts_in_another_order(walk: Walked, rng: np.random.Generator) -> Injected:
     """The tilts are stated in another order than they were made."""
     order = TILT_DIRECTIONS
@@ -469,11 +510,16 @@ KINDS: dict[str, tuple[Injection, frozenset[str]]] = {
     "foot": (foot, frozenset({"foot", "no rest", "rolls"})),
     "start sways": (start_sways, frozenset({"start", "offset"})),
     "start turns": (start_turns, frozenset({"start", "offset"})),
+    "turned on the way": (turned_while_walked, frozenset({"turned"})),
+    "kerbs": (kerbs, frozenset({"floor"})),
+    "ramp": (ramp, frozenset({"floor"})),
 }
 """Kinds of faults of a walk: how each is injected, and by which codes it is rightly named. Where no
 code is right, only a refusal is."""
 
-MOTION_KINDS = ("rolls", "foot", "start sways", "start turns")
+FLOOR_KINDS = ("kerbs", "ramp")
+"""Those in which the floor is not level."""
+MOTION_KINDS = ("rolls", "foot", "start sways", "start turns", *FLOOR_KINDS)
 """Those in which the motion is at fault, not the sensor: the path is held against the true one."""
 
 TILT_KINDS: dict[str, tuple[Injection, frozenset[str]]] = {
@@ -487,3 +533,12 @@ TILT_KINDS: dict[str, tuple[Injection, frozenset[str]]] = {
     "tilts, short rest": (tilts_without_rest, frozenset({"start", "poses"})),
 }
 """The same of the tilts by which the mount is found."""
+
+LATER_KINDS = ("turned on the way", *FLOOR_KINDS)
+DRAWN_BY = {
+    kind: number
+    for number, kind in enumerate(
+        [*(kind for kind in (*KINDS, *TILT_KINDS) if kind not in LATER_KINDS), *LATER_KINDS]
+    )
+}
+"""Number that the cases of a kind are drawn by; a later kind leaves those of the others alone."""

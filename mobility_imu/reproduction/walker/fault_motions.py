@@ -1,10 +1,12 @@
-"""Motions that a walking frame's method does not follow: a frame that rolls, a foot, a loose start.
+"""Motions that a walking frame's method does not follow: it rolls, is a foot, or starts loosely.
 
-Each gives a true motion, so that a path can be held against it.
+Or its floor is not level, or its IMU does not stay as it was. Each gives a true motion, so that a
+path can be held against it; that of a turned IMU is a frame's which the IMU would still fit.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,8 +17,17 @@ from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation.profiles import hump, smooth, window
 from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.walker import FAST_HZ, WalkerMotion
+from mobility_imu.walker.mount import WalkerMount
 
-__all__ = ["foot_motion", "loose_start", "rolling_motion", "shaken"]
+__all__ = [
+    "foot_motion",
+    "loose_start",
+    "over_kerbs",
+    "rolling_motion",
+    "shaken",
+    "turned_on_the_way",
+    "up_a_ramp",
+]
 
 FIRST_STILL_S, LAST_STILL_S = 3.0, 2.0
 ROLLED_M, ROLLS = (1.0, 2.0), 5
@@ -30,6 +41,11 @@ GYRO_PER_ACC = 0.02
 STANCE_S, SWING_S = (0.5, 0.8), (0.5, 0.8)
 FOOT_STEPS = 20
 FOOT_M, FOOT_LIFT_M = (0.6, 1.1), 0.06
+RAMP_FROM_M, BEND_OF_RAMP_M = 1.0, 0.5
+"""Way before a ramp, and way over which the frame comes to lean as it does: as long as the frame
+is."""
+SLIPS_S = 0.5
+"""Time in which an IMU is turned on the frame, ours."""
 
 
 def rolling_motion(seed: int) -> WalkerMotion:
@@ -153,3 +169,78 @@ def loose_start(motion: WalkerMotion, sway_rad: float, turn_rad: float, seed: in
     # The world turns with it: the walk is the same, seen from another side.
     position = np.einsum("ij,nj->ni", turned.as_matrix()[-1], motion.position_m)
     return replace(motion, position_m=position, rotation_body_to_world=rotation)
+
+
+def over_kerbs(
+    motion: WalkerMotion, steps: Sequence[int], heights_m: Sequence[float]
+) -> WalkerMotion:
+    """Walk in which some steps end higher or lower than they began.
+
+    Parameters
+    ----------
+    motion : WalkerMotion on a level floor
+    steps : their numbers
+    heights_m : m, of each, upward positive
+
+    Returns
+    -------
+    WalkerMotion
+    """
+    place = motion.position_m.copy()
+    for number, height in zip(steps, heights_m, strict=True):
+        step = motion.steps[number]
+        part = (motion.time_s - step.lift_s) / (step.place_s - step.lift_s)
+        place[:, 2] += height * smooth(part)
+    return replace(motion, position_m=place)
+
+
+def up_a_ramp(motion: WalkerMotion, slope_rad: float) -> WalkerMotion:
+    """Straight walk that begins on a level floor, which then rises or falls at one slope.
+
+    Parameters
+    ----------
+    motion : WalkerMotion along x on a level floor
+    slope_rad : rad, upward positive
+
+    Returns
+    -------
+    WalkerMotion
+    """
+    way = motion.position_m[:, 0]
+    grid = np.linspace(way.min() - 0.1, way.max() + 0.1, 10_001)
+    slopes = slope_rad * smooth((grid - RAMP_FROM_M) / BEND_OF_RAMP_M)
+    # The way is that along the floor.
+    step = np.diff(grid, prepend=grid[0])
+    along = np.interp(way, grid, grid[0] + np.cumsum(np.cos(slopes) * step))
+    height = np.interp(way, grid, np.cumsum(np.sin(slopes) * step))
+    leans = slope_rad * smooth((way - RAMP_FROM_M) / BEND_OF_RAMP_M)
+    turn = Rotation.from_euler("y", -leans[:, None]).as_matrix()
+    floor = np.column_stack([along, motion.position_m[:, 1], height])
+    return replace(
+        motion,
+        position_m=floor + turn[:, :, 2] * motion.position_m[:, 2:],
+        rotation_body_to_world=turn @ motion.rotation_body_to_world,
+    )
+
+
+def turned_on_the_way(
+    motion: WalkerMotion, mount: WalkerMount, turn_rad: float, when_s: float
+) -> WalkerMotion:
+    """Motion of a frame that an IMU which is turned on the way would still fit.
+
+    Parameters
+    ----------
+    motion : WalkerMotion
+    mount : WalkerMount of the IMU before
+    turn_rad : rad, by which the IMU is turned where it is, about the frame's vertical
+    when_s : s, when that begins
+
+    Returns
+    -------
+    WalkerMotion, for the same mount
+    """
+    angle = turn_rad * smooth((motion.time_s - when_s) / SLIPS_S)
+    true = motion.rotation_body_to_world
+    rotation = true @ Rotation.from_euler("z", angle[:, None]).as_matrix()
+    apart = (true - rotation) @ mount.translation_body_m
+    return replace(motion, position_m=motion.position_m + apart, rotation_body_to_world=rotation)

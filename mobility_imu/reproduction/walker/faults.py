@@ -23,6 +23,8 @@ from mobility_imu.frames import FloatArray
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Recording
 from mobility_imu.reproduction.walker.fault_kinds import (
+    DRAWN_BY,
+    FLOOR_KINDS,
     KINDS,
     MOTION_KINDS,
     TILT_KINDS,
@@ -106,7 +108,7 @@ def _base(kind: str, case: int) -> int:
 def _drawn(kind: str, case: int, first_seed: int) -> Injected:
     """The faulty recording of a case."""
     injection = {**KINDS, **TILT_KINDS}[kind][0]
-    rng = stream(first_seed, [*KINDS, *TILT_KINDS].index(kind), case)
+    rng = stream(first_seed, DRAWN_BY[kind], case)
     return injection(_pool(_base(kind, case), first_seed), rng)
 
 
@@ -150,13 +152,15 @@ def one_case(kind: str, case: int, first_seed: int = FIRST_SEED) -> dict[str, An
     codes = {**KINDS, **TILT_KINDS}[kind][1]
     told = sorted({fault.code for fault in found})
     of = max(moved, key=lambda name: moved[name][0])
+    # What is stated of a start is not how far the path is off the true one.
+    comparable = faulty.truth is None or kind in FLOOR_KINDS
     return row | {
         "ratio": moved[of][0],
         "of": of,
         "found_as": ", ".join(told),
         "right": bool(codes & set(told)),
         "cost_real": moved[of][1],
-        "cost_stated": None if faulty.truth else _stated(found, of, codes),
+        "cost_stated": _stated(found, of, codes) if comparable else None,
     }
 
 
