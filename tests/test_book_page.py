@@ -81,9 +81,10 @@ def test_nothing_is_needed_before_it_was_given(chapter):
     assert links == {page.rpartition("/")[2] for page in needs()[chapter]}
 
 
-def test_the_second_core_begins_with_what_needs_no_compiled_loops(page):
+def test_the_second_core_begins_with_what_needs_no_compiled_loops(page, monkeypatch, tmp_path):
     import execute
 
+    monkeypatch.setattr(execute, "EXECUTED", tmp_path)  # nothing was run before
     notebooks = execute.notebooks()
     order = execute.in_order(notebooks, 20)
     assert sorted(order) == notebooks
