@@ -37,14 +37,12 @@ from mobility_imu.quality import (
     turned_gravity,
 )
 from mobility_imu.recording import Imu, Recording
-from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.runs import FEWEST_VALUES, long_runs, runs_of
 
 LONGEST_STILL_GYR_S = 1.0
 """A gyroscope that says the same number for longer, while gravity turns beside it, is dead."""
 TURNED_MPS2 = 1.0
 """Change of the accelerations, in a second or so, that comes with a turn (6 deg of tilt)."""
-FEWEST_VALUES = 20
-"""An axis that never changes is dead if another one of its sensor takes more values than this."""
 SHORTEST_STUCK = 25
 """Equal readings of one axis, and at least as long as a whole half has to repeat itself. With noise
 of one step the next reading is the same with a chance of 0.38 at most: 25 come once in 10^10."""

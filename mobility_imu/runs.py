@@ -8,6 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 from mobility_imu.errors import InputError
 from mobility_imu.frames import as_flags
 
+FEWEST_VALUES = 20
+"""An axis that never changes is dead if another one of its sensor takes more values than this."""
+
 
 def runs_of(flags: ArrayLike) -> list[slice]:
     """Runs of samples where a flag is set.

@@ -59,14 +59,19 @@ def read_input(
         fill_gaps_s=fill_gaps_s,
         expected=SENSORS[device],
     )
-    for found in examine(recording):
-        if found.code == "copy":
-            recording = _without_copy(recording, found, SENSORS[device])
+    said = []
+    # Of three equal sensors only the first is compared: without it the others are looked at again.
+    while copies := [found for found in examine(recording) if found.code == "copy"]:
+        recording, left = _without_copy(recording, copies[0], SENSORS[device])
+        said.append(left)
+    warn(said)
     return recording
 
 
-def _without_copy(recording: Recording, copy: Fault, needed: Sequence[str]) -> Recording:
-    """Recording without a sensor that repeats another one, if it is not needed; else an error."""
+def _without_copy(
+    recording: Recording, copy: Fault, needed: Sequence[str]
+) -> tuple[Recording, str]:
+    """Recording without a copy that is not needed, and a warning; an error if both are needed."""
     from dataclasses import replace
 
     *_, other = copy.sensor.split(", ")
@@ -75,9 +80,9 @@ def _without_copy(recording: Recording, copy: Fault, needed: Sequence[str]) -> R
         first, other = other, first
     if other in needed:
         raise InputError(copy.sentence)
-    warn([f"{recording.source}: {other} repeats {first} and is left out: it is not needed"])
     sensors = {name: imu for name, imu in recording.sensors.items() if name != other}
-    return replace(recording, sensors=sensors)
+    said = f"{recording.source}: {other} repeats {first} and is left out: it is not needed"
+    return replace(recording, sensors=sensors), said
 
 
 def check_reading(sampling_rate_hz: float | None, fill_gaps_s: float = 0.0) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,7 @@ from mobility_imu.frames import GAP_FACTOR, FloatArray, as_number, shown
 from mobility_imu.readers.silent_axes import recorded
 from mobility_imu.readers.streams import BELIEVED, STARTED, Stream
 from mobility_imu.readers.table import LONGEST_FILL_S
-from mobility_imu.readers.wording import quoted
+from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Imu, Recording
 
 if TYPE_CHECKING:
@@ -232,6 +232,42 @@ def fill_gaps(
 
 def _may_be_added(added: float, there: int) -> bool:
     return added <= max(there, FEWEST_TO_FILL)
+
+
+def needed_on_one_clock(
+    streams: Mapping[str, Stream], source: str, *, expected: Sequence[str], fill_gaps_s: float
+) -> tuple[Recording, tuple[str, ...], dict[str, ClockLag]]:
+    """Recording of sensors, without those that are not expected if the recording is refused.
+
+    Parameters
+    ----------
+    streams, source, fill_gaps_s : as :func:`one_clock` takes them
+    expected : names of the sensors that are needed
+
+    Returns
+    -------
+    recording, warnings, lags : as of :func:`one_clock`
+
+    Raises
+    ------
+    InputError
+        As :func:`one_clock`, of the sensors that are needed.
+    """
+    needed = {name: stream for name, stream in streams.items() if name in expected}
+    if not needed or len(needed) == len(streams):
+        return one_clock(streams, source, fill_gaps_s=fill_gaps_s)
+    try:
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            found = one_clock(streams, source, fill_gaps_s=fill_gaps_s)
+    except InputError as error:  # what was told of all of them is told again of those that are left
+        recording, said, lags = one_clock(needed, source, fill_gaps_s=fill_gaps_s)
+        others = [name for name in streams if name not in needed]
+        left = "is left out, since it is" if len(others) == 1 else "are left out, since they are"
+        return recording, (f"{error}; {listed(others)} {left} not needed", *said), lags
+    for one in told:
+        warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
+    return found
 
 
 def one_clock(
@@ -505,6 +541,7 @@ def _spans(clocks: Mapping[str, FloatArray]) -> str:
 
 CUT = "cut the recording there"
 BRIDGE = f"give --fill-gaps-s (fill_gaps_s in Python) to bridge it, or {CUT}"
+BRIDGE_ALL = f"give --fill-gaps-s (fill_gaps_s in Python) of that length to bridge it, or {CUT}"
 
 
 def _can_be_filled(gap_s: float) -> bool:
@@ -520,7 +557,7 @@ def _on_gaps(time_s: FloatArray) -> str:
         gaps = step[step > GAP_FACTOR * usual]
         added = (gaps / usual).sum() - len(gaps)
     if not len(gaps) or (_can_be_filled(gaps.max()) and _may_be_added(added, len(time_s))):
-        return BRIDGE.replace(" to bridge", " of that length to bridge")
+        return BRIDGE_ALL
     return CUT if len(gaps) == 1 else "cut the recording at its gaps"
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.table import NumberTable, cells_of
+from mobility_imu.readers.table import NumberTable, cells_of, parse_numbers
 from mobility_imu.readers.wording import quoted
 
 TRUE = frozenset({"true", "t", "yes", "y", "vrai", "oui", "verdadero", "sí", "si"})
@@ -15,12 +17,37 @@ FALSE = frozenset({"false", "f", "no", "n", "faux", "non", "falso"})
 MISSING = frozenset({"", "na", "nan"})
 
 
+def with_flags(
+    text: str, *, source: str, wanted: Callable[[str], bool], flags: Callable[[str], bool]
+) -> NumberTable:
+    """Parse a table whose columns of truth values are read if they are numbers.
+
+    Parameters
+    ----------
+    text, source, wanted : as :func:`~mobility_imu.readers.table.parse_numbers` takes them
+    flags : says of a name whether its column has truth values, for :func:`flag_column`
+
+    Returns
+    -------
+    NumberTable, without the columns of truth values if any of them has words
+
+    Raises
+    ------
+    InputError
+        As ``parse_numbers``, for the columns that are wanted.
+    """
+    try:
+        return parse_numbers(text, source=source, wanted=lambda name: wanted(name) or flags(name))
+    except InputError:
+        return parse_numbers(text, source=source, wanted=wanted)
+
+
 def flag_column(table: NumberTable, place: int) -> FloatArray:
     """Truth values of a column that a table may have left out as no numbers.
 
     Parameters
     ----------
-    table : NumberTable of a text
+    table : NumberTable of a text, from :func:`with_flags`
     place : of the column in ``table.every``
 
     Returns
@@ -32,24 +59,25 @@ def flag_column(table: NumberTable, place: int) -> FloatArray:
     InputError
         With the line of the first cell that is neither a number nor such a word.
     """
-    name = quoted(table.every[place])
-    return np.array(
-        [
-            _flag(cell, f"{table.source}: line {line}, column {name}")
-            for line, cell in cells_of(table.text, place, table.source, table.first_line)
-        ]
-    )
+    name = table.every[place]
+    if table.header.count(name) == 1:
+        return table.numbers[:, table.header.index(name)]
+    flags = []  # cell by cell, which is slow
+    for line, cell in cells_of(table.text, place, table.source, table.first_line):
+        try:
+            flags.append(_flag(cell))
+        except ValueError:
+            raise InputError(
+                f"{table.source}: line {line}, column {quoted(name)}: got "
+                f"'{quoted(cell)}', expected 1 or 0, TRUE or FALSE, yes or no"
+            ) from None
+    return np.array(flags)
 
 
-def _flag(cell: str, where: str) -> float:
+def _flag(cell: str) -> float:
     word = cell.lower()
     if word in TRUE or word in FALSE:
         return float(word in TRUE)
     if word in MISSING:
         return float("nan")
-    try:
-        return float(cell.replace(",", "."))
-    except ValueError:
-        raise InputError(
-            f"{where}: got '{quoted(cell)}', expected 1 or 0, TRUE or FALSE, yes or no"
-        ) from None
+    return float(cell.replace(",", "."))

@@ -14,7 +14,7 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
 from mobility_imu.readers.blocks import with_times_of_rows
-from mobility_imu.readers.clocks import check_fill, check_rate, one_clock
+from mobility_imu.readers.clocks import check_fill, check_rate, needed_on_one_clock
 from mobility_imu.readers.column_map import read_mapped
 from mobility_imu.readers.formats import find_format
 from mobility_imu.readers.prefixes import (
@@ -175,7 +175,9 @@ def understand(
     for name, stream in named.items():
         whose = stream.source if len(named) == 1 else f"{stream.source}, {name}"
         said += held_warnings(stream.time_s, stream.acc_mps2, whose)
-    recording, found, lags = _on_one_clock(named, expected, source, fill_gaps_s)
+    recording, found, lags = needed_on_one_clock(
+        named, source, expected=expected, fill_gaps_s=fill_gaps_s
+    )
     return Reading(
         recording,
         form,
@@ -184,21 +186,6 @@ def understand(
         lags=lags,
         warnings=(*said, *found),
     )
-
-
-def _on_one_clock(
-    named: Mapping[str, Stream], expected: Sequence[str], source: str, fill_gaps_s: float
-) -> tuple[Recording, tuple[str, ...], Mapping[str, ClockLag]]:
-    """Sensors on one clock, without those that are not expected if these alone are refused."""
-    try:
-        return one_clock(named, source, fill_gaps_s=fill_gaps_s)
-    except InputError as error:
-        wanted = {name: stream for name, stream in named.items() if name in expected}
-        if not wanted or len(wanted) == len(named):
-            raise
-        recording, said, lags = one_clock(wanted, source, fill_gaps_s=fill_gaps_s)
-        others = listed(name for name in named if name not in wanted)
-        return recording, (f"{error}; {others}: left out, not needed", *said), lags
 
 
 def _alone(path: Named) -> Named:

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import as_clock
-from mobility_imu.readers.flags import flag_column
+from mobility_imu.readers.flags import flag_column, with_flags
 from mobility_imu.readers.layout import check_names
-from mobility_imu.readers.table import parse_numbers, read_text
+from mobility_imu.readers.table import read_text
 
 __all__ = ["read_rests"]
 
@@ -43,13 +43,16 @@ def read_rests(path: str | Path, time_s: ArrayLike) -> NDArray[np.bool_]:
     Raises
     ------
     InputError
-        If a column is missing, a cell is neither 0 nor 1, the times do not increase, do not cover
-        the recording or last far longer, or there is no rest at all.
+        If a column is missing, a cell is neither 0 nor 1 nor such a word, the times do not
+        increase, do not cover the recording or last far longer, or there is no rest at all.
     """
     clock = as_clock(time_s)
     time, stationary = COLUMNS
-    table = parse_numbers(
-        read_text(path), source=str(path), wanted=lambda name: name.lower() == time
+    table = with_flags(
+        read_text(path),
+        source=str(path),
+        wanted=lambda name: name.lower() == time,
+        flags=lambda name: name.lower() == stationary,
     )
     check_names([name for name in table.every if name.lower() in COLUMNS], str(path))
     names = [name.lower() for name in table.every]

@@ -9,9 +9,7 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_clock
 from mobility_imu.recording import PLAUSIBLE_ACC_MPS2, Imu, Recording
-
-FEWEST_VALUES = 20
-"""An axis that never changes is dead if another one of its sensor takes more values than this."""
+from mobility_imu.runs import FEWEST_VALUES
 
 
 def recorded(time_s: FloatArray, sensors: Mapping[str, Imu], source: str) -> Recording:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.readers.clocks import check_rate
-from mobility_imu.readers.flags import flag_column
+from mobility_imu.readers.flags import flag_column, with_flags
 from mobility_imu.readers.streams import (
     FACTORS,
     LARGEST_RATE_DIFFERENCE,
@@ -23,7 +23,7 @@ from mobility_imu.readers.streams import (
     same_rate,
     times_of_rows,
 )
-from mobility_imu.readers.table import NumberTable, line_of, parse_numbers, read_text
+from mobility_imu.readers.table import NumberTable, line_of, read_text
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.results import Result
 
@@ -110,7 +110,7 @@ def read_velocities(
         value beyond what a chair can do.
     """
     source = str(path)
-    table = parse_numbers(read_text(path), source=source, wanted=_is_read)
+    table = with_flags(read_text(path), source=source, wanted=_is_read, flags=_is_flag)
     header, values = table.header, table.numbers
     linear = _column(table, LINEAR, "linear velocity ('lin')")
     angular = _column(table, ANGULAR, "angular velocity ('ang' or 'yaw')")
@@ -145,7 +145,7 @@ def _valid(table: NumberTable) -> NDArray[np.bool_] | None:
     names = [name.lower().strip() for name in table.header]
     deviations = (table.numbers[:, k] for k in _of_deviations(names))
     unknown = [~((sd >= 0) & (sd < np.inf)) for sd in deviations]
-    flags = (k for k, name in enumerate(table.every) if name.lower() == "valid")
+    flags = (k for k, name in enumerate(table.every) if _is_flag(name))
     unknown += [~(flag_column(table, k) > 0) for k in flags]
     return ~np.any(unknown, axis=0) if unknown else None
 
@@ -154,6 +154,10 @@ def _is_read(name: str) -> bool:
     """Whether a column holds numbers that are read; others may hold words, as tasks do."""
     quantities = (STANDARD_DEVIATION, LINEAR, ANGULAR)
     return _is_clock(name) or any(re.search(pattern, name.lower()) for pattern in quantities)
+
+
+def _is_flag(name: str) -> bool:
+    return name.lower() == "valid"
 
 
 def _of_deviations(names: list[str]) -> list[int]:

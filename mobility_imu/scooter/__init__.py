@@ -12,7 +12,7 @@ from mobility_imu.scooter.pose_check import (
     check_poses,
     pose_uncertainty,
 )
-from mobility_imu.scooter.ride import RideAngles, RideSettings, estimate_ride
+from mobility_imu.scooter.ride import Remark, RideAngles, RideSettings, estimate_ride
 
 __all__ = [
     "SUZUKI_ET4D",
@@ -20,6 +20,7 @@ __all__ = [
     "FusionSettings",
     "PoseCheck",
     "PoseCheckSettings",
+    "Remark",
     "RideAngles",
     "RideSettings",
     "ScooterAngles",

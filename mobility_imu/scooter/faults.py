@@ -27,9 +27,9 @@ from mobility_imu.faults import (
     with_costs,
 )
 from mobility_imu.frames import FloatArray, as_flags, wrap_angle
-from mobility_imu.health import FEWEST_VALUES, examine, fault_of, single_spikes
+from mobility_imu.health import examine, fault_of, single_spikes
 from mobility_imu.recording import Recording
-from mobility_imu.runs import runs_of
+from mobility_imu.runs import FEWEST_VALUES, runs_of
 from mobility_imu.scooter.contradictions import SHORTEST_S, Contradictions, contradictions
 from mobility_imu.scooter.force import ends_in_a_jump, held_faults, scale_fault, weightless
 from mobility_imu.scooter.geometry import ScooterGeometry

@@ -161,7 +161,13 @@ class RideAngles(Result):
         (a rest in coarse steps is none), and the accelerations do not contradict the filter
     settings : RideSettings; with fusion, ``settings.fusion`` has the sizes that were used
     warnings : sentences for the user
-    remarks : the same sentences, each with its kind and the sensor that it is about
+    remarks : the same sentences in the same order, each with its kind and the sensor that it is
+        about
+
+    Raises
+    ------
+    InputError
+        Columns that are no series of one length, and remarks that are not those of the warnings.
     """
 
     time_s: FloatArray
@@ -172,13 +178,15 @@ class RideAngles(Result):
     valid: NDArray[np.bool_]
     settings: RideSettings
     warnings: tuple[str, ...] = ()
-    remarks: tuple[Remark, ...] = field(default=(), kw_only=True)
+    remarks: tuple[Remark, ...] = field(default=(), kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
-        """Check that all are series of one length."""
+        """Check that all are series of one length, and that the sentences are the same."""
         expect("settings", self.settings, RideSettings)
         numbers = ("steering_rad", "throttle_rad", "steering_sd_rad", "throttle_sd_rad")
         check_columns(self, "time_s", *numbers, flags=("valid",))
+        if tuple(one.sentence for one in self.remarks) != tuple(self.warnings):
+            raise InputError("remarks: expected the sentences of warnings; replace both")
         super().__post_init__()
 
     def to_frame(self) -> pd.DataFrame:

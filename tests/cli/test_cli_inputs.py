@@ -278,7 +278,7 @@ def test_an_impossible_value_is_named_as_typed(room, fails, option, value, says)
     ("factor", "says"),
     [
         (1.0, "seat repeats body and is left out"),
-        (1 / 9.81, "looks like g; seat: left out, not needed"),
+        (1 / 9.81, "looks like g; seat is left out, since it is not needed"),
     ],
 )
 @pytest.mark.parametrize("first", [False, True])
@@ -293,6 +293,16 @@ def test_a_sensor_that_is_not_needed_spoils_no_recording(ride, works, factor, sa
     table.to_csv(ride / "more.csv", index=False)
     assert says in works(*angles("more.csv", output="b.csv")).stderr
     assert (ride / "b.csv").read_bytes() == (ride / "a.csv").read_bytes()
+
+
+def test_of_three_equal_sensors_the_two_that_are_needed_are_refused(ride, fails):
+    """Without the first, the other two are still each other's copies."""
+    table = pd.read_csv(ride / "ride.csv")
+    for name in [name for name in table if name.startswith("body")]:
+        table[name] = table[name.replace("body", "lever")]
+        table.insert(1, name.replace("body", "seat"), table[name])
+    table.to_csv(ride / "three.csv", index=False)
+    fails(*angles("three.csv"), says=["lever and body have the same readings"])
 
 
 def test_a_needed_sensor_that_copies_or_is_in_g_is_refused_beside_others(ride, fails):

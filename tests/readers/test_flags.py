@@ -41,6 +41,17 @@ def test_rests_are_read_in_words(tmp_path, words, dress):
     assert np.array_equal(read_rests(tmp_path / "r.csv", TIME_S), GOOD)
 
 
+@pytest.mark.parametrize("dress", DRESSES)
+def test_numbers_are_not_read_cell_by_cell(tmp_path, monkeypatch, dress):
+    """That takes seven times as long: half a second for an hour at 100 Hz."""
+    monkeypatch.setattr("mobility_imu.readers.flags.cells_of", None)
+    path = velocities(tmp_path / "v.csv", GOOD.astype(int), dress)
+    assert np.array_equal(read_velocities(path).valid, GOOD)
+    table = pd.DataFrame({"time_s": TIME_S, "stationary": GOOD.astype(float)})
+    table.to_csv(tmp_path / "r.csv", index=False, **dress)
+    assert np.array_equal(read_rests(tmp_path / "r.csv", TIME_S), GOOD)
+
+
 @pytest.mark.parametrize("word", ["WAHR", "maybe", "ok"])
 def test_a_word_that_says_neither_is_named_with_its_line(tmp_path, word):
     path = velocities(tmp_path / "v.csv", np.where(GOOD, "yes", word))

@@ -7,6 +7,7 @@ from test_dialects import made, quietly
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
+from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
 
 NAMES = ("frame", "left_wheel")
@@ -49,6 +50,31 @@ def test_a_dead_axis_is_named_and_no_gravity_that_was_taken_out(tmp_path, value)
         quietly(path)
     assert f"static.csv: left_wheel_acc_z is {value:g} m/s² throughout" in str(error.value)
     assert "it is dead" in str(error.value) and "taken out" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("more", "left"),
+    [((), "seat is left out, since it is"), (("back",), "seat, back are left out, since they are")],
+)
+def test_what_is_filled_is_told_once_where_sensors_are_left_out(tmp_path, more, left):
+    """Without the sensor that is refused, the others are read a second time."""
+    time_s, sensors = upright(lambda acc: acc)
+    frame = sensors["frame"]
+    in_g = Imu(frame.acc_mps2 / STANDARD_GRAVITY_MPS2, frame.gyr_radps)
+    sensors |= dict.fromkeys(("seat", *more), in_g)
+    kept = np.r_[:200, 205:400]
+    gap = {k: Imu(one.acc_mps2[kept], one.gyr_radps[kept]) for k, one in sensors.items()}
+    path = table(tmp_path / "static.csv", time_s[kept], gap)
+    with pytest.warns(UserWarning) as told:
+        read_recording(path, fill_gaps_s=1.0, expected=NAMES)
+    said = [str(one.message) for one in told]
+    assert sum("1 gap(s) filled in" in text for text in said) == 1
+    assert sum(f"; {left} not needed" in text for text in said) == 1
+    whole = {name: gap["frame"] for name in (*NAMES, "seat", *more)}
+    path = table(tmp_path / "whole.csv", time_s[kept], whole)
+    with pytest.warns(UserWarning, match=r"1 gap\(s\) filled in") as told:
+        read_recording(path, fill_gaps_s=1.0, expected=NAMES)
+    assert len(told) == 1
 
 
 def test_sensors_with_stamps_of_their_own_have_dead_axes_too(tmp_path):

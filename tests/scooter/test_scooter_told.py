@@ -11,6 +11,8 @@ from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.scooter import (
     SUZUKI_ET4D,
+    Remark,
+    RideAngles,
     RideSettings,
     ScooterGeometry,
     ScooterMount,
@@ -73,6 +75,19 @@ def test_a_ride_with_few_valid_samples_says_why():
     (told,) = found.warnings
     assert found.remarks == (("estimate", "", told),)
     assert "leave the steering uncertain by 20 deg or more" in told
+
+
+def test_remarks_are_no_part_of_a_line_and_fit_the_warnings():
+    """A command reads the remarks: warnings that were changed alone would not be told."""
+    rad = np.zeros(3)
+    found = RideAngles(rad, rad, rad, rad, rad, rad == 0, RideSettings())
+    assert "remark" not in repr(found)
+    one = Remark("settings", "", "odd")
+    told = replace(found, warnings=("odd",), remarks=(one,))
+    assert repr(told).endswith(", 1 warning(s))") and told.remarks == (one,)
+    for change in ({"warnings": ("other",)}, {"warnings": ()}, {"remarks": ()}):
+        with pytest.raises(InputError, match="remarks: expected the sentences of warnings"):
+            replace(told, **change)
 
 
 def car_park(seed=5, sensor=LPMS_CU2):
