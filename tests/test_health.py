@@ -1,12 +1,13 @@
 """Faults of sensors are found in simulated recordings, and none is found where there is none."""
 
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
 
 from mobility_imu.faults import half_of
-from mobility_imu.health import examine, stuck_axes
+from mobility_imu.health import _alike, examine, stuck_axes
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation.levels import LEVELS, MOUNTS
 from mobility_imu.simulation.scooter import COURSES, draw_driver, draw_scooter, simulate_ride
@@ -226,3 +227,19 @@ def test_a_still_sensor_in_coarse_steps_is_healthy():
     gyr = np.round(rng.normal(0, 0.0003, (3000, 3)) / 0.001) * 0.001
     still = Recording(np.arange(3000) / 100, {"frame": Imu(acc, gyr)}, source="still")
     assert examine(still) == ()
+
+
+def test_signs_of_parts_correlate_as_their_sums_do():
+    """Found from products of the parts, not from eight sums of series."""
+    rng = np.random.default_rng(5)
+    parts = rng.normal(0.0, [[0.1], [1.0], [3.0]], (3, 400))
+    parts[1] += 0.5 * parts[2]
+    seen = parts[0] - parts[1] + 0.5 * parts[2] + rng.normal(0.0, 0.2, 400)
+    found = _alike(parts, seen)
+    assert set(found) == set(product((1.0, -1.0), repeat=3))
+    for signs, alike in found.items():
+        whole = np.array(signs) @ parts
+        size = np.linalg.norm(whole) * np.linalg.norm(seen)
+        assert alike == pytest.approx(whole @ seen / size, abs=1e-12)
+    assert max(found, key=found.get) == (1.0, -1.0, 1.0)
+    assert set(_alike(0 * parts, seen).values()) == {0.0}

@@ -1,6 +1,5 @@
 """Run commands in this process, and hold each failure to the contract of the command line."""
 
-import os
 import shutil
 import sys
 from typing import NamedTuple
@@ -101,9 +100,9 @@ def scooter(tmp_path_factory):
 
 @pytest.fixture
 def simulated(scooter, tmp_path):
-    """The files of a simulated scooter in the folder of a test, as hard links."""
+    """The files of a simulated scooter in the folder of a test, which may change its own."""
     for path in scooter.iterdir():
-        os.link(path, tmp_path / path.name)
+        shutil.copy(path, tmp_path)
 
 
 @pytest.fixture
@@ -122,7 +121,7 @@ def plain(monkeypatch):
 
 @pytest.fixture
 def room(inputs, tmp_path):
-    """Folder of a test with these inputs, as hard links: nothing may change them."""
+    """Folder of a test with these inputs, which it may change."""
     for path in inputs.iterdir():
-        os.link(path, tmp_path / path.name)
+        shutil.copy(path, tmp_path)
     return tmp_path

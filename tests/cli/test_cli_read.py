@@ -96,8 +96,10 @@ def test_a_written_recording_says_where_its_times_begin(files, works):
     assert "its times count from its first sample: clock=same does not fit" in result.stderr
     assert "count from its first" not in works("read", "trial.csv", "-o", "again.csv").stderr
     one = ",".join(f"{name}={name}.csv" for name in COLUMNS)
-    own = works("read", one, "clock=start", "-o", "own.csv")
-    assert "count from its first sample" in own.stderr
+    for clocks in ([], ["clock=start"]):
+        own = works("read", one, *clocks, "-o", "own.csv").stderr
+        assert "count from its first sample" in own
+        assert ("joined by their movement" in own) == (not clocks)
 
 
 @pytest.mark.usefixtures("files")

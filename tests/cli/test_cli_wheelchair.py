@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from command_lines import COURT, velocity, velocity_csv
 
+from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction import recorded
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -127,29 +128,28 @@ def test_no_task_is_named_where_the_velocities_are_not_valid(tmp_path, works):
     assert "not valid" in without
 
 
+def of_table(table):
+    """Recording of a chair's table, as it is before it is written."""
+    halves = ("acc", "mps2"), ("gyr", "radps")
+    sensors = {
+        name: Imu(*(table.filter(regex=f"^{name}_{half}_._{unit}$") for half, unit in halves))
+        for name in ("frame", "left_wheel", "right_wheel")
+    }
+    return Recording(table["time_s"], sensors)
+
+
 def test_lags_of_clocks_are_not_in_the_standard_deviations():
     """The numbers of the page on how to use the book, of the courts that the command simulates."""
-    from mobility_imu.simulation.sensor import REAL
-    from mobility_imu.simulation.wheelchair import (
-        COURT,
-        STATIC_TRIAL,
-        STRAIGHT_TRIAL,
-        random_mounting,
-        simulate_court,
-    )
+    from mobility_imu.simulation.bundle import wheelchair_bundle
     from mobility_imu.wheelchair import SAMPLE_CHAIR, calibrate_mount, estimate_velocity
 
     speeds, yaws = [], []
     for seed in (1, 2, 3):
-        static, straight, court = (
-            simulate_court(
-                legs, SAMPLE_CHAIR, random_mounting(seed), seed=k, unit_seed=seed, model=REAL
-            )
-            for k, legs in enumerate((STATIC_TRIAL, STRAIGHT_TRIAL, COURT), 1000 * seed)
-        )
-        by = calibrate_mount(static.recording, straight.recording)
-        found = estimate_velocity(court.recording, SAMPLE_CHAIR, by.mount, offsets=by.offsets)
-        table, truth = found.to_frame(), court.truth()
+        _, *trials, truth = wheelchair_bundle(seed, level="real").values()
+        static, straight, court = map(of_table, trials)
+        by = calibrate_mount(static, straight)
+        found = estimate_velocity(court, SAMPLE_CHAIR, by.mount, offsets=by.offsets)
+        table = found.to_frame()
         for name, sd, into in (
             ("linear_velocity_mps", "linear_velocity_sd_mps", speeds),
             ("yaw_rate_degps", "yaw_rate_sd_degps", yaws),
