@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from mobility_imu.frames import FloatArray
 from mobility_imu.recording import Recording
@@ -194,7 +193,6 @@ def _differ(part: NDArray[np.bool_], unseen: NDArray[np.bool_], felt: FloatArray
     """Whether a part tells turns that are not felt, and the rest, which moves alike, does not."""
     if (~part).sum() * WINDOW_S < SHORTEST_S or unseen[part].mean() < LEAST_PART:
         return False
-    # A window beside a change may have readings of both parts.
-    if unseen[~ndimage.binary_dilation(part)].any():
+    if unseen[~part].any():
         return False
     return _rms(felt, ~part) >= LEAST_MOTION * _rms(felt, part)

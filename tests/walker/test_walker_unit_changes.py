@@ -96,6 +96,21 @@ def test_other_faults_are_no_change_of_unit(walk, fault, part):
     assert find_unit_change(with_rates(walk, OTHERS[fault], slice(begin, end))) is None
 
 
+def test_an_offset_that_is_57_times_as_large_is_no_unit(walk):
+    """The turns that it tells are unseen, but the frame moves as before."""
+    offset = np.array([0.0, 0.5, 0.0])
+    wrong = with_rates(walk, lambda gyr: gyr + offset)
+    half = slice(len(walk) // 2, None)
+    assert find_unit_change(with_rates(wrong, lambda gyr: gyr + (DEG - 1) * offset, half)) is None
+
+
+@pytest.mark.parametrize("shift", range(0, 50, 7))
+def test_a_part_may_begin_anywhere_within_a_half_second(walk, shift):
+    at = 3000 + shift
+    found = find_unit_change(with_rates(walk, lambda gyr: DEG * gyr, slice(at, None)))
+    assert np.allclose(found.spans_s, [(walk.time_s[at], walk.time_s[-1])], atol=1.1)
+
+
 def test_a_whole_recording_in_degrees_has_one_unit(walk):
     assert find_unit_change(with_rates(walk, lambda gyr: DEG * gyr)) is None
 
