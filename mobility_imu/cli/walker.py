@@ -62,17 +62,6 @@ def _settings(scale_percent: float) -> NavigationSettings:
     return NavigationSettings(scale_sd=scale_percent / 100, axes_sd_rad=scale_percent / 100)
 
 
-def _read(path: Path, sampling_rate_hz: float | None, fill_gaps_s: float) -> Recording:
-    """Recording of a frame whose gyroscope is in one unit throughout, as far as gravity shows."""
-    from mobility_imu.walker.unit_changes import find_unit_change
-
-    recording = read_input(path, "walker", sampling_rate_hz, fill_gaps_s)
-    change = find_unit_change(recording) if "frame" in recording.sensors else None
-    if change is not None:
-        raise InputError(change.sentence)
-    return recording
-
-
 @app.command("calibrate")
 def calibrate(
     tilts: Annotated[Path, typer.Argument(help="Recording of the tilts with sensor 'frame'.")],
@@ -113,7 +102,7 @@ def calibrate(
     if form != "corrected" and method == "all-samples":
         warn([f"--form has no effect with --method {method}"])
     frame = WalkerGeometry.from_toml(geometry)
-    recording = _read(tilts, sampling_rate_hz, fill_gaps_s)
+    recording = read_input(tilts, "walker", sampling_rate_hz, fill_gaps_s)
     options: dict[str, Any] = {
         "method": method,
         "form": form,
@@ -179,7 +168,7 @@ def trajectory(
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = Outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
-    recording = _read(walk, sampling_rate_hz, fill_gaps_s)
+    recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s)
     known = None if rests is None else read_rests(rests, recording.time_s)
     settings = _settings(scale_percent)
     options = {

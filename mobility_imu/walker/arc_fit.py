@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.fft import irfft, next_fast_len, rfft
+from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
@@ -31,6 +32,8 @@ TOLERANCE = 1e-3
 :func:`~mobility_imu.frames.as_rotation`."""
 LEAST_SINE = 1e-9
 """Twice the sine of an angle, below which rounding decides about the axis."""
+NEAR_HALF_TURN = 10 * TOLERANCE
+"""The same, below which the entries' errors decide about the axis of nearly a half turn."""
 LARGEST_SIZE = 1e9
 """Of a position, m, and of a noise, above which squares lose their meaning."""
 
@@ -119,7 +122,7 @@ def _linear_model(
             f"rotation_imu_to_world: turns by {np.rad2deg(largest):.2g} deg, expected 1 deg or more"
         )
     _, directions = np.linalg.eigh(turns.T @ turns)
-    axis = directions[:, 2] * np.sign(np.sum(turns @ directions[:, 2]))
+    axis = directions[:, 2] * np.copysign(1.0, np.sum(turns @ directions[:, 2]))
     # Two unknown components of the arm, in a basis at right angles to the axis.
     basis = directions[:, :2]
     design = np.zeros((3 * count, 5))
@@ -129,7 +132,7 @@ def _linear_model(
 
 
 def _rotation_vectors(turn: FloatArray) -> FloatArray:
-    """Angle times axis of rotations (n, 3, 3); of a half turn, which has two axes, nearly zero."""
+    """Angle times axis of rotations (n, 3, 3); of a half turn, the axis nearer to the others'."""
     # The antisymmetric part is the sine times the axis, the trace 1 + 2 cosines.
     across = np.column_stack([
         turn[:, 2, 1] - turn[:, 1, 2],
@@ -138,7 +141,14 @@ def _rotation_vectors(turn: FloatArray) -> FloatArray:
     ])  # fmt: skip
     twice_sine = np.linalg.norm(across, axis=1)
     angle = np.arctan2(twice_sine, np.trace(turn, axis1=1, axis2=2) - 1)
-    return np.asarray(across * (angle / np.maximum(twice_sine, LEAST_SINE))[:, None])
+    vectors = np.asarray(across * (angle / np.maximum(twice_sine, LEAST_SINE))[:, None])
+    half = (twice_sine < NEAR_HALF_TURN) & (angle > np.pi / 2)
+    if half.any():
+        vectors[half] = Rotation.from_matrix(turn[half]).as_rotvec()
+        either = half & (twice_sine < LEAST_SINE)
+        along = vectors[either] @ vectors[~either].sum(axis=0)
+        vectors[either] *= np.where(along < 0, -1.0, 1.0)[:, None]
+    return vectors
 
 
 def _check_rotations(attitude: FloatArray) -> None:

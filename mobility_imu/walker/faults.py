@@ -26,6 +26,7 @@ from mobility_imu.faults import Cost, Fault, half_of, largest_change, with_costs
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.health import examine
 from mobility_imu.recording import Recording
+from mobility_imu.runs import long_runs
 from mobility_imu.walker.calibration import (
     Method,
     WalkerCalibration,
@@ -61,11 +62,12 @@ __all__ = ["find_faults", "find_tilt_faults", "not_told", "valid_samples"]
 NEGLIGIBLE = {"m": 1e-3, "deg": 0.01}
 """A range whose end costs less is not told: a sensor with coarse steps repeats its largest value by
 chance. A millimetre, and what turns 5 m by one: our choice, not swept."""
-BEYOND_END, OFTEN_AT_END = 1.1, 0.05
+BEYOND_END, BESIDE, OFTEN_AT_END = 1.1, 3, 0.05
 """All axes of a half have one range, but for calibration, which is some per cent. So an axis that
-ends below another's readings by more than the first was not cut there: samples that come twice, or
-were filled in, made a peak of few steps flat. One that is at its end for the second part of all
-samples is stuck there."""
+ends below another's neighbouring readings, of which there are some, by more than the first was not
+cut there: samples that come twice, or were filled in, made a peak of few steps flat. A single spike
+shows no range. An axis that is at its end for the last part of all samples is stuck there. Our
+choices, not swept."""
 MOST_FILLED = 0.5
 """Part of a recording up to which straight lines are gaps; beyond it all was interpolated. Our
 choice, not swept."""
@@ -440,7 +442,8 @@ def _is_a_flat_peak(fault: Fault, recording: Recording) -> bool:
     if fault.code != "range" or fault.flags.mean() > OFTEN_AT_END:
         return False
     half = half_of(recording, FRAME, fault.sensor.removeprefix(f"{FRAME}_"))
-    return bool(np.abs(half).max() > BEYOND_END * fault.size)
+    beyond = np.abs(half) > BEYOND_END * fault.size
+    return any(long_runs(axis, BESIDE, grow=False).any() for axis in beyond.T)
 
 
 def _with_readings(recording: Recording, found: list[Fault], more: list[Fault]) -> list[Fault]:

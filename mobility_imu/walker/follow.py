@@ -23,6 +23,7 @@ from mobility_imu.walker.navigation import (
     navigate,
 )
 from mobility_imu.walker.stillness import StillnessSettings, find_stillness
+from mobility_imu.walker.unit_changes import find_unit_change
 
 __all__ = ["as_sentences", "checked_options", "navigate_recording"]
 
@@ -75,7 +76,8 @@ def navigate_recording(
     ------
     InputError
         If there is no rest within the first seconds, a reading is larger than any sensor's, the
-        rate is too low, or ``closed_loop`` is asked for without the smoother.
+        rate is too low, the gyroscope's unit changes on the way, or ``closed_loop`` is asked for
+        without the smoother.
     """
     settings, stillness, known = checked_options(
         recording,
@@ -224,7 +226,7 @@ def _stated(offset_radps: FloatArray) -> str:
 
 
 def _check_rate_and_size(recording: Recording) -> None:
-    """Check the sampling rate, and that no single acceleration is larger than any sensor's."""
+    """Check the sampling rate, that no force is larger than any sensor's, and the rates' unit."""
     acc = recording.sensor("frame", gyroscope=True).acc_mps2
     rate_hz = recording.sampling_rate_hz
     if not LEAST_RATE_HZ <= rate_hz:
@@ -240,6 +242,9 @@ def _check_rate_and_size(recording: Recording) -> None:
             f"{recording.time_s[k]:g} s (sample {k}), more than such a sensor measures "
             f"({LARGEST_ACC_MPS2:g}); {int(beyond.sum())} such reading(s): correct or remove them"
         )
+    change = find_unit_change(recording)
+    if change is not None:
+        raise InputError(change.sentence)
 
 
 def _faulty_samples(

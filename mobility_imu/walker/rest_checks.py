@@ -62,6 +62,7 @@ HUBER = 1.5
 """Moves count less beyond so many medians of all lengths. Huber's constant is 1.345 standard
 deviations for one number; of six normal ones 6 % are longer than this."""
 TINY = 1e-300
+"""A turn of nothing is divided by it instead of by zero."""
 LEVEL_M = 0.4
 """Sum of the moves' heights from which on they say nothing of the halves: the floor may not be
 level. On a ramp of 3 deg and more they passed for lags of up to 0.1 s and scales of 16 %. The
@@ -90,6 +91,7 @@ ROUNDS = 3
 
 
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
+"""Halves of quaternions, as :class:`_Attitudes` has them."""
 
 
 class Readings(NamedTuple):
@@ -366,10 +368,10 @@ def fit_halves(readings: Readings) -> HalvesFit:
 
     stated_misfit = batch.misfit(batch.turned())
     rises = np.abs(np.cumsum(stated_misfit[:, 5])).max() > LEVEL_M
-    sizes_of = SIZES[:5] if rises else SIZES
+    usual = SIZES[:5] if rises else SIZES
 
     def weighed(misfit: FloatArray) -> FloatArray:
-        return np.asarray(misfit[:, : len(sizes_of)] / sizes_of)
+        return np.asarray(misfit[:, : len(usual)] / usual)
 
     def rows(factors: ArrayLike, lag_s: float = 0.0) -> FloatArray:
         return weighed(batch.misfit(batch.turned(factors, lag_s)))

@@ -26,8 +26,12 @@ from mobility_imu.simulation.walker import CORRIDOR, simulate_walk
 
 RECORD = "faults_walker"
 TOLD, RIGHT, TOLD_LARGE = 0.85, 0.83, 0.95
-TOLD_LATER = 0.4
-"""Of floors and of an IMU that is turned on the way: their limits are those of moves and steps."""
+TOLD_LATER, RIGHT_LATER = 0.4, 0.95
+"""Of floors and of an IMU that is turned on the way: their limits are those of moves and steps. Of
+the 131 that matter 47 % are told, with a standard deviation of 4 % as so many draws have it: the
+floor lies below by 1.7 of them. All that are told are told rightly; a wrong one is by chance."""
+FEW = 0.2
+"""More of 16 drawn cases that matter are told: 8 of 14, 2 of 8 and 4 of 5. One kerb less fails."""
 
 
 OWN_SEED = 502_000
@@ -97,6 +101,7 @@ def test_later_kinds_have_sensible_rows(kind):
     assert told and all(row["right"] for row in told), [row["found_as"] for row in told]
     matter = [row for row in rows if row["ratio"] > faults.MATTERS]
     assert 0 < len(matter) < len(rows) or kind == "turned on the way"
+    assert sum(bool(row["found_as"]) for row in matter) > FEW * len(matter)
     for row in told:
         if kind in FLOOR_KINDS:
             assert row["cost_stated"] == pytest.approx(row["cost_real"], rel=0.3), row
@@ -192,7 +197,9 @@ def test_what_the_record_says_of_all_kinds():
     cases = faults.table(kept)
     matter = cases[(cases["ratio"] > faults.MATTERS) & (cases["found_as"] != "refused")]
     later = matter["kind"].isin(LATER_KINDS)
-    assert later.any() and (matter[later]["found_as"] != "").mean() >= TOLD_LATER
+    named = matter[later & (matter["found_as"] != "")]
+    assert later.any() and len(named) >= TOLD_LATER * later.sum()
+    assert named["right"].mean() >= RIGHT_LATER
     matter = matter[~later]
     told, right = (matter["found_as"] != "").mean(), matter["right"].mean()
     assert 0.98 > told >= TOLD and right >= RIGHT, (told, right)

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from mobility_imu.data import recordings_folder
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Cost, Fault, all_repaired, multiplied
 from mobility_imu.health import examine
+from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_kinds import clean_walk
 from mobility_imu.runs import runs_of
@@ -74,6 +76,25 @@ def same(recording):
 
 
 # Whose fault it is.
+
+
+@pytest.mark.parametrize(
+    ("half", "end", "axis", "spike"), [("gyr_radps", 0.4, 2, 3.0), ("acc_mps2", 12.0, 0, 40.0)]
+)
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_spike_hides_no_range(half, end, axis, spike, count):
+    """Cut readings of one axis are none of a flat peak because another has a spike beyond them."""
+    walk = read_recording(recordings_folder() / "walker_corridor" / "walk.csv.gz")
+    imu = walk.sensor("frame")
+    halves = {"acc_mps2": imu.acc_mps2, "gyr_radps": imu.gyr_radps}
+    halves[half] = np.clip(halves[half], -end, end)
+    halves[half][2000 : 2000 + count, axis] = spike
+    recording = Recording(walk.time_s, {"frame": Imu(**halves)}, source="walk")
+    ends = [each for each in examine(recording) if each.code == "range"]
+    assert len(ends) == 1 and ends[0].flags.mean() > 0.01
+    nothing = np.zeros(len(recording), np.bool_)
+    found = walker_faults._of_sensors(recording, StillnessSettings(), nothing)
+    assert "range" in {each.code for each in found}
 
 
 def test_other_sensors_of_the_file_are_not_judged():
