@@ -8,7 +8,11 @@ from collections import defaultdict
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
+# No test is about time: a busy machine, or one without numba, is slow.
+settings.register_profile("any speed", deadline=None)
+settings.load_profile("any speed")
 # The compiled loops from the first call on: otherwise a fresh environment's first tests run the
 # readable forms, whose last digits differ, and the comparison of processes byte by byte fails.
 os.environ.setdefault("MOBILITY_IMU_COMPILE", "always")
