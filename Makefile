@@ -27,7 +27,8 @@ look: $(VENV)/look/.installed ## look at every built page in Chromium, wide and 
 
 test: $(VENV)/.installed  ## set up, run every test and doctest, and the notebooks that changed
 	$(BIN)/python book/execute.py
-	$(BIN)/python -m pytest -n 2 --dist worksteal -p no:nbmake tests mobility_imu
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
+	    $(BIN)/python -m pytest -n 2 --dist worksteal -p no:nbmake tests mobility_imu
 
 lint: $(VENV)/.installed  ## style, types, spelling, stripped notebooks
 	$(BIN)/ruff check .

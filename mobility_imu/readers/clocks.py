@@ -83,7 +83,7 @@ def check_fill(longest_s: float) -> float:
     Raises
     ------
     InputError
-        If it is not between 0 and :data:`LONGEST_FILL_S`.
+        If it is not between 0 and 60 s.
     """
     length = _number(longest_s)
     if not 0 <= length <= LONGEST_FILL_S:
