@@ -12,7 +12,7 @@ from mobility_imu.cli.inputs import as_typed, check_reading, naming, read_input,
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Quiet, Rate, Strict, Table, sub_app, table_file
 from mobility_imu.cli.outputs import table_bytes
-from mobility_imu.errors import InputError, needs
+from mobility_imu.errors import InputError, MissingExtraError, needs
 from mobility_imu.files import Outputs, figure_bytes
 
 if TYPE_CHECKING:
@@ -335,7 +335,7 @@ def tasks(
     if figure is not None and figure.suffix.lower() not in PICTURES:
         raise InputError(f"--figure {figure}: expected a name that ends in .png, .svg or .pdf")
     if figure is not None:
-        needs("matplotlib")  # before the work, not after it
+        _check_drawing(figure)  # before the work, not after it
     from mobility_imu.cli.summaries import tasks_lines, written_line
     from mobility_imu.wheelchair import task_events
     from mobility_imu.wheelchair.outcomes import turn_direction
@@ -362,6 +362,32 @@ def tasks(
     rate = series.sampling_rate_hz
     read = f"read: {velocity}: {len(found) / rate:.1f} s at {rate:.5g} Hz"
     summarize([read, *tasks_lines(found), written_line(contents)], quiet)
+
+
+def _check_drawing(figure: Path) -> None:
+    """Check that the library that draws can be loaded.
+
+    Parameters
+    ----------
+    figure : file of the picture
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    InputError
+        If it is there and fails, as with a backend that it does not know.
+    """
+    try:
+        needs("matplotlib")
+    except MissingExtraError:
+        raise
+    except (ImportError, ValueError) as error:
+        reason = str(error).partition("\n")[0]
+        raise InputError(
+            f"--figure {figure}: matplotlib cannot be loaded ({reason}); mend it, or leave "
+            "--figure out"
+        ) from None
 
 
 def _identified(

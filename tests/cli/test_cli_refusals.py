@@ -72,3 +72,15 @@ def test_a_drive_whose_samples_refuse_what_a_filter_hides(fails, monkeypatch):
     bad = spoil(COURT / "court.csv.gz", silent("frame", 300))
     line = fails(*velocity(bad), "--filter", "moving-average")
     named_first(line, "frame_acc", "only without the filter")
+
+
+@pytest.mark.parametrize(
+    "error", [ImportError("libfreetype.so.6: not found"), ValueError("'x' is no backend\nuse agg")]
+)
+def test_a_library_that_draws_and_fails_is_named(fails, monkeypatch, error):
+    def broken(name):
+        raise error
+
+    monkeypatch.setattr("mobility_imu.cli.wheelchair.needs", broken)
+    command = "wheelchair tasks v.csv -o k.csv --figure f.svg"
+    fails(*command.split(), says=["--figure f.svg: matplotlib", str(error).splitlines()[0]])
