@@ -14,6 +14,8 @@ from mobility_imu.reproduction.walker.fault_kinds import (
     KINDS,
     LATER_KINDS,
     TILT_KINDS,
+    _sign,
+    _size,
     clean_walk,
 )
 from mobility_imu.reproduction.walker.fault_motions import (
@@ -91,6 +93,23 @@ def test_an_imu_that_is_turned_stays_where_it_is():
     angle = np.rad2deg(np.arctan2(turn[:, 1, 0], turn[:, 0, 0]))
     assert np.allclose(angle[motion.time_s < 20.0], 0.0)
     assert np.allclose(angle[motion.time_s > 20.6], 40.0)
+
+
+def test_after_large_turns_that_were_missed_few_steps_followed():
+    """The chapter gives it as the reason; when an IMU was turned is drawn after size and sign."""
+    kind = "turned on the way"
+    cases = faults.table(numbers(RECORD)).query("kind == @kind").reset_index(drop=True)
+    missed = cases[(cases["found_as"] == "") & (cases["ratio"] > faults.MATTERS)]
+    left = []
+    for case in missed.index[missed["size"] > 20]:
+        seed = faults.FIRST_SEED + faults._base(kind, case)
+        walk = clean_walk(seed, faults.FAULTY_LEVELS[faults._base(kind, case) % 2], with_sd=False)
+        motion, rng = walk.walk.motion, faults.stream(faults.FIRST_SEED, DRAWN_BY[kind], case)
+        assert _size(rng, 0.2, 180.0) == pytest.approx(missed.loc[case, "size"], rel=0.01)
+        _sign(rng)
+        when = rng.uniform(0.2, 0.8) * motion.time_s[-1]
+        left.append(sum(step.lift_s > when for step in motion.steps))
+    assert sorted(left) == [3, 4, 4]
 
 
 @pytest.mark.parametrize("kind", ["turned on the way", *FLOOR_KINDS])
