@@ -75,6 +75,15 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 
 
 @pytest.fixture
+def no_collection():
+    """No search for garbage: at the end of the stack hypothesis, which counts its time, has no room
+    left to be called, and Python says so on standard error."""
+    gc.disable()
+    yield
+    gc.enable()
+
+
+@pytest.fixture
 def hears_interrupts():
     """A suite in the background of a shell ignores interrupts, and so would what it starts."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)

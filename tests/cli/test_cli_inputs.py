@@ -68,6 +68,7 @@ def ride(tmp_path):
         ("", "the file is empty"),
     ],
 )
+@pytest.mark.usefixtures("no_collection")
 def test_faulty_geometry_of_a_scooter(ride, fails, text, says):
     (ride / "bad.toml").write_text(text)
     fails(*angles(geometry="bad.toml"), says=["bad.toml", says])

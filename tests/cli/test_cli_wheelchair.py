@@ -238,6 +238,7 @@ def test_tool_settings_file(with_settings, works, fails):
         ('{"a\\u001b[2J": 1}', r"a\x1b[2J is not a setting"),
     ],
 )
+@pytest.mark.usefixtures("no_collection")
 def test_faulty_settings_are_one_line(with_settings, fails, content, says):
     fails(*with_settings(content), says=["s.json", says])
 

@@ -123,6 +123,7 @@ def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
         (9000 * '{"a":', "nested too deeply"),
     ],
 )
+@pytest.mark.usefixtures("no_collection")
 def test_a_faulty_settings_file_is_refused_by_the_library_too(tmp_path, text, message):
     path = tmp_path / "settings.json"
     path.write_text(text)
