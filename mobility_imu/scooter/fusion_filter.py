@@ -132,6 +132,22 @@ class Chunk(NamedTuple):
 
 
 @compiled()
+def add_block(matrix: FloatArray, row: int, column: int, block: FloatArray, factor: float) -> None:
+    """Add a block to a part of a matrix. A slice would do; it takes seconds more to compile.
+
+    Parameters
+    ----------
+    matrix : (n, m) array, changed
+    row, column : where the block begins
+    block : (i, j) array
+    factor : of the block
+    """
+    for i in range(block.shape[0]):
+        for j in range(block.shape[1]):
+            matrix[row + i, column + j] += factor * block[i, j]
+
+
+@compiled()
 def arm_acceleration(rate: FloatArray, spin: FloatArray) -> FloatArray:
     """Acceleration by a lever arm: ``(spin x + rate x rate x) arm``, Euler and centripetal.
 
@@ -228,19 +244,21 @@ def predict(
     for at, rate, by_rate in ((0, lever_rate, by_lever), (BODY, body_rate, by_body)):
         # Columns of reading_errors are offset, scale, misalignment.
         columns = dt * (by_rate @ reading_errors(rate))
-        v[:2, at + 12 : at + 15] -= columns[:, :3]
-        v[:2, at + 9 : at + 12] -= columns[:, 3:6]
-        v[:2, at + 6 : at + 9] -= columns[:, 6:]
-        v[:2, at + 15 : at + 18] -= columns[:, 6:]
+        add_block(v, 0, at + 12, columns[:, :3], -1.0)
+        add_block(v, 0, at + 9, columns[:, 3:6], -1.0)
+        add_block(v, 0, at + 6, columns[:, 6:], -1.0)
+        add_block(v, 0, at + 15, columns[:, 6:], -1.0)
     for i in range(2):
         p[i, i] += model.drift[0]
         p[2 + i, 2 + i] += model.drift[1]
     for i in range(4, STATES):
         f[i, i] = model.decay
         x[i] *= model.decay
-        v[i] *= model.decay
-        p[i] *= model.decay
-        p[:, i] *= model.decay
+        for j in range(CONSTANTS):
+            v[i, j] *= model.decay
+        for j in range(STATES):
+            p[i, j] *= model.decay
+            p[j, i] *= model.decay
         p[i, i] += model.disturbance * (1 - model.decay**2)
     return x, p, v, f
 
@@ -254,7 +272,8 @@ def _measurement(
     st, ct = np.sin(tip), np.cos(tip)
     rx, ry, rz, _ = tip_reading(np.eye(3), x[0], tip, sa, ca)
     turn = np.empty((3, 3))
-    turn[0], turn[1], turn[2] = rx, ry, rz
+    for i in range(3):
+        turn[0, i], turn[1, i], turn[2, i] = rx[i], ry[i], rz[i]
     # Slopes come from a smoothed acceleration: with the raw one its noise would stand in residual
     # and slope alike, and vibration would pull angles and constants to one side.
     errors = reading_errors(slow)
@@ -281,11 +300,11 @@ def _measurement(
     by_c = np.zeros((3, CONSTANTS))
     for i in range(3):
         h[i, 4 + i] = 1.0
-    by_c[:, :9] = reading_errors(np.array([sx, sy, sz]))
-    by_c[:, BODY : BODY + 9] = -(turn @ errors)
-    by_c[:, ARMS : ARMS + 3] = arm_acceleration(lever, spin)
-    by_c[:, ARMS + 3 : ARMS + 6] = -(turn @ arm_acceleration(body, body_spin))
-    by_c[:, ARMS + 6 :] = arm_acceleration(column, column_spin) @ to_lever
+    add_block(by_c, 0, 0, reading_errors(np.array([sx, sy, sz])), 1.0)
+    add_block(by_c, 0, BODY, turn @ errors, -1.0)
+    add_block(by_c, 0, ARMS, arm_acceleration(lever, spin), 1.0)
+    add_block(by_c, 0, ARMS + 3, turn @ arm_acceleration(body, body_spin), -1.0)
+    add_block(by_c, 0, ARMS + 6, arm_acceleration(column, column_spin) @ to_lever, 1.0)
     residual = inputs.lever_acc[k] - turn @ inputs.body_acc[k] - by_c @ c - x[4:]
     return residual, h, by_c
 
@@ -325,7 +344,8 @@ def correct(
     own, whole = hp @ h.T, sm @ sensitivity.T
     for i in range(3):
         own[i, i] += noise
-    distance = np.sqrt(residual @ np.linalg.solve(own + whole, residual) / 3)
+    # Rounding may make a squared distance negative.
+    distance = np.sqrt(max(residual @ np.linalg.solve(own + whole, residual) / 3, 0.0))
     if distance > huber:
         for i in range(3):
             own[i, i] += noise * ((distance / huber) ** 2 - 1)

@@ -334,9 +334,6 @@ def test_settings_that_cannot_be(name, value):
         FusionSettings(**{name: value})
 
 
-# Rounding may make a squared distance negative: then no residual counts less. Compiled code does
-# not warn of it.
-@pytest.mark.filterwarnings("ignore:invalid value encountered in sqrt")
 @given(
     logs=st.tuples(*(st.floats(*np.log10(limits)) for limits in SETTING_LIMITS.values())),
     samples=st.integers(1, 40),

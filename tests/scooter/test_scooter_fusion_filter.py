@@ -271,3 +271,19 @@ def test_filter_and_smoother_go_on_where_a_piece_ends():
     early, early_sd, *_ = smoother(first, *at, *end[3:5])
     assert_allclose(np.concatenate((early, late)), states, atol=1e-10)
     assert_allclose(np.concatenate((early_sd, late_sd)), sd, rtol=1e-8)
+
+
+def test_a_squared_distance_that_rounding_made_negative_is_none():
+    """With extreme settings a covariance may lose its sign by rounding: no reading counts less."""
+    constants, by_c = np.zeros(loops.CONSTANTS), np.zeros((3, loops.CONSTANTS))
+    by_c[:, :3] = np.eye(3)
+    lost = np.diag(np.full(loops.CONSTANTS, -1e-6))
+    covariance, by_constants = (
+        np.zeros((loops.STATES, loops.STATES)),
+        np.zeros((loops.STATES, loops.CONSTANTS)),
+    )
+    x, *_, c, m = correct(
+        np.zeros(loops.STATES), covariance, by_constants, constants, lost,
+        np.ones(3), np.zeros((3, loops.STATES)), by_c, 1e-8, 3.0,
+    )  # fmt: skip
+    assert not x.any() and np.isfinite(c).all() and np.isfinite(m).all()
