@@ -47,6 +47,8 @@ __all__ = ["LOSSES", "Remark", "RideAngles", "RideSettings", "estimate_ride", "u
 Method = Literal["closed-form", "fusion"]
 LOSSES = {"frozen": "frozen", "range": "saturated", "no gravity": "weightless"}
 """Words for the faults of an accelerometer that take some samples from it."""
+REMARKS = (*LOSSES, "scale", "accelerated", "estimate", "settings")
+"""Codes of the remarks."""
 LARGEST_STATED_MPS2 = 100.0
 """Largest noise of an accelerometer that settings may state."""
 SMALLEST_STATED_MPS2 = SETTING_LIMITS["acc_sd_mps2"][0]
@@ -160,14 +162,13 @@ class RideAngles(Result):
         saturated, weightless or out of scale, no such loss is within half the closed form's median
         (a rest in coarse steps is none), and the accelerations do not contradict the filter
     settings : RideSettings; with fusion, ``settings.fusion`` has the sizes that were used
-    warnings : sentences for the user
-    remarks : the same sentences in the same order, each with its kind and the sensor that it is
-        about
+    remarks : what the estimate says of the ride
+    warnings : sentences of the remarks, for the user
 
     Raises
     ------
     InputError
-        Columns that are no series of one length, and remarks that are not those of the warnings.
+        Columns that are no series of one length, and remarks that are none.
     """
 
     time_s: FloatArray
@@ -177,16 +178,21 @@ class RideAngles(Result):
     throttle_sd_rad: FloatArray
     valid: NDArray[np.bool_]
     settings: RideSettings
-    warnings: tuple[str, ...] = ()
-    remarks: tuple[Remark, ...] = field(default=(), kw_only=True, repr=False)
+    remarks: tuple[Remark, ...] = field(default=(), repr=False)
+    warnings: tuple[str, ...] = field(default=(), init=False)
 
     def __post_init__(self) -> None:
-        """Check that all are series of one length, and that the sentences are the same."""
+        """Check that all are series of one length, and that the remarks are some."""
         expect("settings", self.settings, RideSettings)
         numbers = ("steering_rad", "throttle_rad", "steering_sd_rad", "throttle_sd_rad")
         check_columns(self, "time_s", *numbers, flags=("valid",))
-        if tuple(one.sentence for one in self.remarks) != tuple(self.warnings):
-            raise InputError("remarks: expected the sentences of warnings; replace both")
+        expect("remarks", self.remarks, tuple)
+        for remark in self.remarks:
+            expect("remarks", remark, Remark)
+            one_of("code of a remark", remark.code, REMARKS)
+            expect("sensor of a remark", remark.sensor, str)
+            expect("sentence of a remark", remark.sentence, str)
+        object.__setattr__(self, "warnings", tuple(one.sentence for one in self.remarks))
         super().__post_init__()
 
     def to_frame(self) -> pd.DataFrame:
@@ -327,8 +333,7 @@ def _estimate(
         throttle_sd,
         valid & usable,
         settings,
-        tuple(one.sentence for one in remarks),
-        remarks=tuple(remarks),
+        tuple(remarks),
     )
 
 

@@ -1,6 +1,7 @@
 """Scooter: what is wrong with a ride, its settings or a calibration is told, not only computed."""
 
 import re
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -77,17 +78,32 @@ def test_a_ride_with_few_valid_samples_says_why():
     assert "leave the steering uncertain by 20 deg or more" in told
 
 
-def test_remarks_are_no_part_of_a_line_and_fit_the_warnings():
-    """A command reads the remarks: warnings that were changed alone would not be told."""
+def test_warnings_are_the_sentences_of_the_remarks():
+    """A command reads the remarks: warnings of another origin would not be told."""
     rad = np.zeros(3)
     found = RideAngles(rad, rad, rad, rad, rad, rad == 0, RideSettings())
     assert "remark" not in repr(found)
     one = Remark("settings", "", "odd")
-    told = replace(found, warnings=("odd",), remarks=(one,))
-    assert repr(told).endswith(", 1 warning(s))") and told.remarks == (one,)
-    for change in ({"warnings": ("other",)}, {"warnings": ()}, {"remarks": ()}):
-        with pytest.raises(InputError, match="remarks: expected the sentences of warnings"):
-            replace(told, **change)
+    told = replace(found, remarks=(one,))
+    assert repr(told).endswith(", 1 warning(s))") and told.warnings == ("odd",)
+    assert pickle.loads(pickle.dumps(told)).warnings == ("odd",)
+    assert not replace(told, remarks=()).warnings
+    with pytest.raises(ValueError, match="warnings"):
+        replace(told, warnings=("other",))
+    for wrong, says in (
+        (None, "remarks: got NoneType, expected tuple"),
+        ("abc", "remarks: got str, expected tuple"),
+        (3, "remarks: got int, expected tuple"),
+        (["odd"], "remarks: got list, expected tuple"),
+        (("odd",), "remarks: got str, expected Remark"),
+        ((tuple(one),), "remarks: got tuple, expected Remark"),
+        ((one._replace(code="odd"),), "code of a remark = 'odd'"),
+        ((one._replace(code=[]),), r"code of a remark = \[\]"),
+        ((one._replace(sensor=None),), "sensor of a remark: got NoneType, expected str"),
+        ((one._replace(sentence=5),), "sentence of a remark: got int, expected str"),
+    ):
+        with pytest.raises(InputError, match=says):
+            replace(found, remarks=wrong)
 
 
 def car_park(seed=5, sensor=LPMS_CU2):
