@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.executors import run_all
+from mobility_imu.executors import check_executor, run_all
 from mobility_imu.frames import as_flags, as_floats, shown
 from mobility_imu.recording import Recording
 
@@ -95,11 +95,7 @@ def for_each(
     InputError
         If an argument is something else.
     """
-    if not (executor is None or callable(getattr(executor, "submit", None))):
-        raise InputError(
-            f"executor = {shown(executor)}: expected an object with submit, such as a "
-            "ProcessPoolExecutor, or None"
-        )
+    check_executor(executor)
     if isinstance(recording, Recording):
         return estimate(recording, **given)
     if not isinstance(recording, list | tuple):

@@ -5,7 +5,31 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
+from mobility_imu.errors import InputError
+from mobility_imu.frames import shown
+
 Found = TypeVar("Found")
+
+
+def check_executor(executor: Any) -> None:
+    """Check that something can take work: an object with ``submit``, or None.
+
+    Parameters
+    ----------
+    executor : what was given
+
+    Raises
+    ------
+    InputError
+        If it is something else, such as the class of an executor.
+    """
+    if executor is None:
+        return
+    if isinstance(executor, type) or not callable(getattr(executor, "submit", None)):
+        raise InputError(
+            f"executor = {shown(executor)}: expected an object with submit, such as a "
+            "ProcessPoolExecutor, or None"
+        )
 
 
 def run_all(
@@ -26,11 +50,17 @@ def run_all(
     list
         The same for every executor. If a call raises, so does this; calls that wait are cancelled.
 
+    Raises
+    ------
+    InputError
+        If the executor is none.
+
     Examples
     --------
     >>> run_all(pow, [(2, 3), (3, 2)])
     [8, 9]
     """
+    check_executor(executor)
     if executor is None:
         return [function(*each) for each in arguments]
     futures = [executor.submit(function, *each) for each in arguments]

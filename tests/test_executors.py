@@ -16,9 +16,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from mobility_imu.errors import InputError
 from mobility_imu.executors import run_all
 from mobility_imu.reproduction.scooter.driving import StudySettings, driving_study
 from mobility_imu.reproduction.walker.studies import LEVELS, calibration_study, tilt_run
+from mobility_imu.scooter import estimate_ride
 from mobility_imu.scooter.angles import estimate_angles
 from mobility_imu.scooter.geometry import SUZUKI_ET4D
 from mobility_imu.simulation.scooter import COURSES, draw_driver, draw_scooter, simulate_ride
@@ -144,3 +146,12 @@ def test_walker_study(executor):
     here = calibration_study([0, 1], levels, poses=("1",))
     there = calibration_study([0, 1], levels, poses=("1",), executor=executor)
     assert list(parts(here)) == list(parts(there))
+
+
+@pytest.mark.parametrize("wrong", [ThreadPoolExecutor, 3, "abc", object()], ids=str)
+def test_what_takes_no_work_is_no_executor(wrong):
+    """The class of an executor has a ``submit`` too, and cannot take work."""
+    with pytest.raises(InputError, match="expected an object with submit"):
+        run_all(pow, [(2, 3)], wrong)
+    with pytest.raises(InputError, match="expected an object with submit"):
+        estimate_ride([], SUZUKI_ET4D, executor=wrong)

@@ -23,8 +23,8 @@ DEVICES = ("scooter", "wheelchair", "walker")
 # From the right of the architecture's chain to its left; a module may import what stands before it.
 LAYERS = (
     {"errors"},
-    {"frames", "data", "_compiled", "executors", "files"},
-    {"runs", "results"},
+    {"frames", "data", "_compiled", "files"},
+    {"runs", "results", "executors"},
     {"rotations", "filters", "recording"},
     {"hinges", "quality", "readers", "arguments"},
     {"offsets"},

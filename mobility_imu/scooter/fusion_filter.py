@@ -272,8 +272,7 @@ def _measurement(
     st, ct = np.sin(tip), np.cos(tip)
     rx, ry, rz, _ = tip_reading(np.eye(3), x[0], tip, sa, ca)
     turn = np.empty((3, 3))
-    for i in range(3):
-        turn[0, i], turn[1, i], turn[2, i] = rx[i], ry[i], rz[i]
+    turn[0], turn[1], turn[2] = rx, ry, rz
     # Slopes come from a smoothed acceleration: with the raw one its noise would stand in residual
     # and slope alike, and vibration would pull angles and constants to one side.
     errors = reading_errors(slow)
@@ -345,7 +344,8 @@ def correct(
     for i in range(3):
         own[i, i] += noise
     # Rounding may make a squared distance negative.
-    distance = np.sqrt(max(residual @ np.linalg.solve(own + whole, residual) / 3, 0.0))
+    squared = residual @ np.linalg.solve(own + whole, residual) / 3
+    distance = np.sqrt(np.maximum(squared, 0.0))
     if distance > huber:
         for i in range(3):
             own[i, i] += noise * ((distance / huber) ** 2 - 1)

@@ -1,7 +1,7 @@
 """Scooter: what is wrong with a ride, its settings or a calibration is told, not only computed."""
 
-import re
 import pickle
+import re
 from dataclasses import replace
 
 import numpy as np
