@@ -365,7 +365,7 @@ def parse_numbers(
     frame = _read_quickly(layout, columns)
     if '"' in layout.body and (frame is None or len(frame) != sum(1 for _ in _lines(layout))):
         _check_quotes(layout, columns, source)
-    values = None if frame is None else _as_numbers(frame[[*columns, count]])
+    values = None if frame is None else as_numbers(frame[[*columns, count]])
     if values is None or np.isnan(values[:, :-1]).any() or not np.isnan(values[:, -1]).all():
         # Slow and thorough, only when something is wrong: name the line and the column.
         _check_cells(layout, columns, source)
@@ -424,7 +424,6 @@ def _read_quickly(layout: Layout, columns: Sequence[int]) -> Any:
     # versions drop what follows a NUL, too.
     if _first_row(layout.body).count(layout.separator) > count or "\0" in layout.body:
         return None
-    all_read = len(floats) == count
     try:
         return pd.read_csv(
             io.StringIO(layout.body),
@@ -434,20 +433,31 @@ def _read_quickly(layout: Layout, columns: Sequence[int]) -> Any:
             names=list(range(count + 1)),
             index_col=False,
             decimal=layout.decimal,
-            dtype=np.float64 if all_read else {k: str for k in range(count) if k not in floats},
+            dtype={k: str for k in range(count) if k not in floats},
             skipinitialspace=layout.separator != " ",
+            low_memory=False,  # in parts, one column could have several types
             **_exact(pd.__version__),
         )
     except (ValueError, OverflowError, pd.errors.ParserError):
         return None
 
 
-def _as_numbers(frame: Any) -> FloatArray | None:
-    """Columns as numbers; None if one holds text."""
-    try:
-        return np.asarray(frame.to_numpy(dtype=float))
-    except (ValueError, TypeError, OverflowError):
+def as_numbers(frame: Any) -> FloatArray | None:
+    """Columns of a pandas table as numbers; None if one holds anything else.
+
+    Words such as TRUE would be converted to 1, and "1_0" to 10.
+
+    Parameters
+    ----------
+    frame : DataFrame whose columns have the types that pandas found
+
+    Returns
+    -------
+    (n, columns) array, or None
+    """
+    if any(dtype.kind not in "iuf" for dtype in frame.dtypes):
         return None
+    return np.asarray(frame.to_numpy(dtype=float))
 
 
 def _exact(version: str) -> dict[str, Any]:
