@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from mobility_imu.errors import InputError
-from mobility_imu.readers.wording import quoted
+from mobility_imu.readers.wording import named
 
 SEPARATORS = ("\t", ";", ",")
 ROWS_LOOKED_AT = 20
@@ -206,5 +206,5 @@ def check_names(names: Sequence[str], source: str) -> None:
     seen: set[str] = set()
     for name in names:
         if name.lower() in seen:
-            raise InputError(f"{source}: column {quoted(name.lower())} stands twice")
+            raise InputError(f"{source}: column {named(name.lower())} stands twice")
         seen.add(name.lower())

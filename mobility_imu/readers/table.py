@@ -22,7 +22,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.layout import Layout, check_names, find_layout, split_row
-from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.readers.wording import listed, named, quoted
 from mobility_imu.results import Result
 
 BINARY = {
@@ -308,7 +308,7 @@ class NumberTable(Result):
                     else f"sample {row}"
                 )
                 raise InputError(
-                    f"{self.source}: {where}, column {quoted(self.header[k])}: expected a number, "
+                    f"{self.source}: {where}, column {named(self.header[k])}: expected a number, "
                     f"got nothing, NaN or infinity ({int(bad.sum())} such row(s)); {advice}"
                 )
 
@@ -563,7 +563,7 @@ def _check_cells(layout: Layout, columns: Sequence[int], source: str) -> None:
         for k in columns:
             if not _is_number(cells[k], layout.decimal):
                 raise InputError(
-                    f"{source}: line {number}, column {quoted(layout.names[k - begin])}: "
+                    f"{source}: line {number}, column {named(layout.names[k - begin])}: "
                     f"'{quoted(cells[k])}' is not a number"
                     + (" with a decimal comma" if layout.decimal == "," else "")
                 )
