@@ -162,7 +162,7 @@ def read_toml(path: str | Path, *, again: bool = False) -> dict[str, Any]:
     InputError
         No such file, or no TOML.
     """
-    text = read_text(path, again=again)
+    text = read_text(path, again=again, form="TOML")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

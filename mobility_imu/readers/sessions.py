@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from mobility_imu.errors import InputError
+from mobility_imu.readers.kinds import what_to_do
 from mobility_imu.readers.phyphox import EVENTS, is_phyphox, read_phyphox
 from mobility_imu.readers.sensor_logger import is_sensor_logger, read_sensor_logger
 from mobility_imu.readers.streams import Asked, Stream
@@ -28,6 +29,8 @@ MOST_FILES = 200
 """Tables in a folder whose beginnings are read; more are a study. Set by hand."""
 DAMAGED = (zipfile.BadZipFile, EOFError, zlib.error, LZMAError)
 """Errors of an archive that is not as it was written."""
+LONGEST_BEGINNING = 1000
+"""Bytes by which a file is known that is no archive."""
 LOCKED = 1
 """Flag of a file in an archive that needs a password (APPNOTE.TXT, section 4.4.4, bit 0)."""
 UNNAMED = ("", "..")
@@ -154,6 +157,9 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
             f"it is marked){UNPACK}"
         ) from None
     except (OSError, ValueError, OverflowError, *DAMAGED, NotImplementedError) as error:
+        other = _what_else(path)
+        if other:
+            raise InputError(f"{path}: {other}") from None
         raise InputError(
             f"{path}: cannot be opened as an archive ({error}); is it complete?"
         ) from None
@@ -177,6 +183,16 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
             ) from None
 
     return names, content
+
+
+def _what_else(path: Path) -> str:
+    """What a file is under the name of an archive, and what to do; empty if that is not known."""
+    try:
+        with path.open("rb") as file:
+            raw = file.read(LONGEST_BEGINNING)
+    except (OSError, ValueError):
+        return ""
+    return "" if raw.startswith(b"PK") else what_to_do(raw)
 
 
 def own_name(path: Path) -> Path:

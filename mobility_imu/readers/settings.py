@@ -31,7 +31,7 @@ def read_json_numbers(path: str | Path) -> dict[str, float | None]:
     InputError
         If the file is no such object; the message names the key.
     """
-    text = read_text(path)
+    text = read_text(path, form="JSON")
     try:
         content: Any = load_json(text)
     except json.JSONDecodeError as error:

@@ -21,29 +21,13 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
 from mobility_imu.frames import FloatArray
+from mobility_imu.readers.kinds import what_to_do
 from mobility_imu.readers.layout import Layout, check_names, find_layout, split_row
 from mobility_imu.readers.wording import listed, named, quoted
 from mobility_imu.results import Result
 
-BINARY = {
-    b"\x89HDF\r\n\x1a\n": "an HDF5 file, as APDM's programs write it",
-    b"PK\x03\x04": "an archive or a workbook",
-    b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1": "a workbook of an older Excel",
-    b"MATLAB 5.0": "a MATLAB file",
-    b"MATLAB 7.3": "a MATLAB file",
-}
-"""How files begin that hold numbers, but no text."""
 GZIP = b"\x1f\x8b"
 """How a packed file begins (RFC 1952, section 2.3.1)."""
-PACKED = {
-    b"\xfd7zXZ\x00": "xz",
-    b"BZh": "bzip2",
-    b"7z\xbc\xaf\x27\x1c": "7-Zip",
-    b"Rar!\x1a\x07": "RAR",
-    b"\x28\xb5\x2f\xfd": "Zstandard",
-    GZIP: "gzip",
-}
-"""How packed files begin that are not unpacked here, or not again."""
 LARGEST_UNPACKED = 2_000_000_000
 """Bytes of an unpacked file; more is no recording, and may fill the memory. Set by hand: 8 hours of
 three sensors at 100 Hz with rows of 250 characters are 720 million."""
@@ -78,13 +62,14 @@ class EmptyFile(InputError):
     """A file without content."""
 
 
-def read_text(path: str | Path, *, again: bool = False) -> str:
+def read_text(path: str | Path, *, again: bool = False, form: str | None = None) -> str:
     """Content of a text file; a packed one (gzip) is unpacked, whatever its name.
 
     Parameters
     ----------
     path : file, or a pipe
     again : whether it is read more than once, which no pipe allows
+    form : what is expected, such as "TOML"; None for a recording or another table
 
     Returns
     -------
@@ -98,8 +83,7 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
     path = as_path(path)
     try:
         raw = _read_bytes(path, again)
-        # Under the name of a packed file, a browser may have saved what it unpacked.
-        if raw.startswith(GZIP) or (path.suffix.lower() == ".gz" and not _is_plain(raw)):
+        if raw.startswith(GZIP) or (path.suffix.lower() == ".gz" and not _is_other(raw)):
             raw = _unpacked(raw, path)
     except InputError:
         raise
@@ -110,7 +94,7 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise InputError(f"{path}: cannot be read ({why})") from None
-    return decoded(raw, str(path))
+    return decoded(raw, str(path), form)
 
 
 def beside(path: Path) -> str:
@@ -135,7 +119,7 @@ def _unpacked(raw: bytes, path: Path) -> bytes:
     return content
 
 
-def decoded(raw: bytes, source: str) -> str:
+def decoded(raw: bytes, source: str, form: str | None = None) -> str:
     """Text of a file in UTF-8, in UTF-16 with its mark, or as Windows in Western Europe writes it.
 
     Lines may end as on an old Macintosh, which some programs still write.
@@ -144,6 +128,7 @@ def decoded(raw: bytes, source: str) -> str:
     ----------
     raw : content
     source : the file's name, for messages
+    form : as for :func:`read_text`
 
     Returns
     -------
@@ -154,12 +139,9 @@ def decoded(raw: bytes, source: str) -> str:
     InputError
         If it is empty or not text.
     """
-    kind = next((kind for begin, kind in BINARY.items() if raw.startswith(begin)), None)
-    if kind is not None:
-        raise InputError(f"{source}: is {kind}; export the recording as CSV and read that")
-    packed = next((program for begin, program in PACKED.items() if raw.startswith(begin)), None)
-    if packed is not None:
-        raise InputError(f"{source}: is packed by {packed}; unpack it and read what is in it")
+    no_text = what_to_do(raw) if form is None else what_to_do(raw, export=f"expected {form}")
+    if no_text:
+        raise InputError(f"{source}: {no_text}")
     try:
         text = _as_text(raw)
     except UnicodeDecodeError as error:
@@ -197,9 +179,12 @@ def _with_line_feeds(text: str) -> str:
     return text
 
 
-def _is_plain(raw: bytes) -> bool:
-    """Whether bytes can be a text with some content in an 8-bit encoding."""
-    return raw.strip() != b"" and _CONTROL.search(raw) is None
+def _is_other(raw: bytes) -> bool:
+    """Whether bytes are known as no packed file: as a browser saves what it unpacked, by its name.
+
+    They can be a text with some content in an 8-bit encoding, or begin as another kind of file.
+    """
+    return what_to_do(raw) != "" or (raw.strip() != b"" and _CONTROL.search(raw) is None)
 
 
 def _as_text(raw: bytes) -> str:
