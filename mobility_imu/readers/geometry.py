@@ -109,11 +109,12 @@ def read_arrays(
             f"{path}, [{section}]: {listed(unknown)} is unknown (known: {', '.join(known)})"
         )
     arrays = {}
-    for key, shape in shapes.items():
+    for key, shape in sorted(shapes.items(), key=lambda pair: pair[0] not in table):
         numbers = _as_array(table.get(key), shape)
         if not np.isfinite(numbers).all():
             size = " x ".join(map(str, shape))
-            raise InputError(f"{path}, [{section}] {key}: expected {size} numbers")
+            but = "" if key in table else "; it is missing" if table else "; the section is empty"
+            raise InputError(f"{path}, [{section}] {key}: expected {size} numbers{but}")
         arrays[key] = numbers
     return arrays
 

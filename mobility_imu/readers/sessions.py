@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import zipfile
 import zlib
 from collections.abc import Callable
@@ -145,6 +146,8 @@ def _xio_sessions(inertial: list[str]) -> list[PurePosixPath]:
 def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
     """Names of the files of a session, and a function that reads one."""
     if path.is_dir():
+        if not os.access(path, os.R_OK | os.X_OK):
+            raise InputError(f"{path}: the folder cannot be read (no permission)")
         names = [p.relative_to(path).as_posix() for p in session_files(path)]
         return [name for name in names if not _is_hidden(name)], lambda name: read_text(path / name)
     try:
@@ -205,8 +208,20 @@ def own_name(path: Path) -> Path:
     Returns
     -------
     Path
+
+    Raises
+    ------
+    InputError
+        If the current folder was removed, so that it has no name.
     """
-    return Path(path.resolve().name or path) if path.name in UNNAMED else path
+    if path.name not in UNNAMED:
+        return path
+    try:
+        return Path(path.resolve().name or path)
+    except OSError:
+        raise InputError(
+            f"{path}: the current folder does not exist any more; change to one that does"
+        ) from None
 
 
 def _is_hidden(name: str) -> bool:
