@@ -10,7 +10,7 @@ import typer
 from mobility_imu.cli.inputs import check_reading
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Quiet, Rate, table_file
-from mobility_imu.cli.outputs import table_bytes
+from mobility_imu.cli.outputs import check_kinds, table_bytes
 from mobility_imu.files import Outputs
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ def read(
     files = recording_files(name)
     inputs = (*files, *([] if map_path is None else [map_path]))
     outputs = Outputs({"--output": output}, inputs)
+    check_kinds(outputs.files)
     check_reading(sampling_rate_hz, fill_gaps_s)
     found = understand(
         name,
