@@ -373,19 +373,19 @@ def read_poses(path: Path) -> list[tuple[float, float]]:
     """
     import numpy as np
 
-    from mobility_imu.readers.table import parse_numbers, read_text
+    from mobility_imu.readers.table import line_of, parse_numbers, read_text
 
     names = ["steering_deg", "throttle_deg"]
     table = parse_numbers(
         read_text(path), source=str(path), wanted=lambda name: name.lower() in names
     )
     columns = table.columns(names)
-    if not np.isfinite(columns).all():
-        raise InputError(f"{path}: an angle is missing")
-    largest = float(np.abs(columns).max())
-    if largest > LARGEST_POSE_DEG:
+    table.check_finite(range(len(table.header)))
+    beyond = (np.abs(columns) > LARGEST_POSE_DEG).any(axis=1)
+    if beyond.any():
+        row = int(np.argmax(beyond))
         raise InputError(
-            f"{path}: an angle of {largest:g}, expected between -{LARGEST_POSE_DEG:g} and "
-            f"{LARGEST_POSE_DEG:g} deg"
+            f"{path}: line {line_of(table.text, row)}: an angle of {np.abs(columns[row]).max():g}, "
+            f"expected between -{LARGEST_POSE_DEG:g} and {LARGEST_POSE_DEG:g} deg"
         )
     return [(float(steering), float(throttle)) for steering, throttle in np.deg2rad(columns)]

@@ -12,7 +12,7 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.readers.table import read_text
-from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.readers.wording import listed, named, quoted
 
 SECTIONS = (
     "scooter",
@@ -225,17 +225,17 @@ def _as_array(value: object, shape: tuple[int, ...]) -> FloatArray:
 
 
 def _check_sections(table: dict[str, Any], path: str | Path) -> None:
-    named = dict(table)
+    every = dict(table)
     for device, section in table.items():
         if device in SECTIONS and isinstance(section, dict):
-            inner = {f"{device}.{name}": value for name, value in section.items()}
+            inner = {f"{device}.{named(name)}": value for name, value in section.items()}
             # What is neither a section nor called like one is a number of the device.
-            named |= {n: v for n, v in inner.items() if n in SECTIONS or isinstance(v, dict)}
-    for name, value in named.items():
+            every |= {n: v for n, v in inner.items() if n in SECTIONS or isinstance(v, dict)}
+    for name, value in every.items():
         if name in SECTIONS and not isinstance(value, dict):
             instead = f"[[{name}]]" if is_repeated(value) else f"{name} = {shown(value)}"
             raise InputError(f"{path}: write [{name}], not {instead}")
-    unknown = [name for name in named if name not in SECTIONS]
+    unknown = [name for name in every if name not in SECTIONS]
     if unknown:
         known = ", ".join(f"[{name}]" for name in SECTIONS)
         raise InputError(f"{path}: {listed(unknown)} is unknown (known sections: {known})")

@@ -63,7 +63,7 @@ IN_ARCHIVES = {
     "log.bin": "a recording of ActiGraph (.gt3x)",
 }
 """Files in an archive, or how their names begin, and what it is."""
-EXPORT = "export the recording as CSV and read that"
+EXPORT = "export it as CSV and read that"
 
 
 def what_to_do(raw: bytes, *, export: str = EXPORT) -> str:

@@ -20,6 +20,8 @@ ROWS_LOOKED_AT = 20
 _NOTHING = " \t\r\v\f;,"
 _SEP_LINE = re.compile(r'\s*"?sep=(.)"?[\s;,]*', re.IGNORECASE)
 """Where a spreadsheet filled the rows up, separators stand behind it."""
+_JSON = re.compile(r'\s*(?:\{\s*["}]|\[\s*[\[{])')
+"""How an object or an array of JSON begins; no table has such names."""
 
 
 class Layout(NamedTuple):
@@ -76,6 +78,10 @@ def find_layout(
             break
         head, rest = _next_line(rest)
         line += 1
+    if _JSON.match(text):
+        raise InputError(
+            f"{source}: is JSON, expected a table with the names of its columns in the first line"
+        )
     if not rest.strip():
         raise InputError(f"{source}: a header, but no rows of data")
     if separator is None:

@@ -110,3 +110,21 @@ def test_a_table_of_one_pose(simulated, fails, command):
     line += ["--poses", "poses.csv", *(["-o", "m.toml"] if command == "calibrate" else [])]
     said = fails(*line, says=["expected 1, one per pose; three poses or more are needed"])
     assert "names" not in said
+
+
+@pytest.mark.parametrize("command", ["calibrate", "check"])
+@pytest.mark.parametrize(
+    ("row", "says"),
+    [
+        ("0,", "line 3, column throttle_deg: expected a number, got nothing"),
+        ("nan,0", "line 3, column steering_deg: expected a number, got nothing"),
+        ("0,inf", "line 3, column throttle_deg: expected a number, got nothing"),
+        ("0,-400", "line 3: an angle of 400, expected between -180 and 180 deg"),
+        ("TRUE,0", "line 3, column steering_deg: 'TRUE' is not a number"),
+    ],
+)
+def test_a_pose_that_is_none_is_named_with_its_line(simulated, fails, command, row, says):
+    Path("poses.csv").write_text(f"steering_deg,throttle_deg\n0,0\n{row}\n10,10\n")
+    line = ["scooter", command, "parked_level.csv.gz", "--geometry", "geometry.toml"]
+    line += ["--poses", "poses.csv", *(["-o", "m.toml"] if command == "calibrate" else [])]
+    fails(*line, says=[f"poses.csv: {says}"])

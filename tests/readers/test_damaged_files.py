@@ -155,7 +155,7 @@ def test_what_is_no_text_is_to_be_exported(tmp_path, begin, says):
     path = tmp_path / "20260101-walk.h5"
     path.write_bytes(begin + bytes(500))
     for reader in (read_recording, read_velocities, read_text):
-        assert f"{says}; export the recording as CSV" in refused(reader, path)
+        assert f"{says}; export it as CSV" in refused(reader, path)
 
 
 # Tables

@@ -23,7 +23,7 @@ from mobility_imu.readers.settings import read_json_numbers
 from mobility_imu.readers.table import read_text
 from mobility_imu.readers.velocities import read_velocities
 
-EXPORT = "; export the recording as CSV and read that"
+EXPORT = "; export it as CSV and read that"
 UNPACK = "; unpack it and read what is in it"
 CSV = b"time_s,frame_acc_x_mps2\n0,1\n1,2\n"
 
@@ -141,3 +141,14 @@ def test_texts_are_none_of_these_kinds(tmp_path):
         b"\x80abc.",
     ):
         assert what_to_do(text) == ""
+
+
+@pytest.mark.parametrize(
+    "text", ['{"time_s": [0, 1]}', '[{"time_s": 0}]', '{\n "a": 1\n}', "[[0, 1]]"]
+)
+def test_json_is_no_table(tmp_path, text):
+    (tmp_path / "v.csv").write_text(text)
+    for reader, more in ((read_velocities, ()), (read_rests, (np.arange(3.0),))):
+        assert "is JSON, expected a table" in refused(reader, tmp_path / "v.csv", *more)
+    (tmp_path / "v.csv").write_text("[s] time,{a}\n0,1\n")
+    assert "JSON" not in refused(read_velocities, tmp_path / "v.csv")

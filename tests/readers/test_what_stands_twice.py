@@ -76,6 +76,8 @@ def test_names_of_blanks_are_in_quotation_marks(tmp_path):
     path = tmp_path / "g.toml"
     path.write_text('"" = 1\n" " = 2\n[walker]\na = 1\n')
     assert f"{path}: '', ' ' is unknown" in refused(read_section, path, "walker", ["a"])
+    path.write_text('[walker]\na = 1\n[walker.""]\n')
+    assert "walker.'' is unknown" in refused(read_section, path, "walker", ["a"])
     path.write_text('[walker]\na = 1\n"" = 2\n')
     assert "[walker]: '' is unknown" in refused(read_section, path, "walker", ["a"])
     path.write_text('[walker.mount]\n"\\t" = 2\n')
