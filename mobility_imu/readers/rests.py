@@ -63,9 +63,11 @@ def read_rests(path: str | Path, time_s: ArrayLike) -> NDArray[np.bool_]:
     if np.isnan(flags).any():
         line = line_of(table.text, int(np.argmax(np.isnan(flags))))
         raise InputError(f"{path}: line {line}, column stationary: is empty, expected 1 or 0")
-    increases = np.isfinite(times).all() and bool((np.diff(times) > 0).all())
-    if not increases:
-        raise InputError(f"{path}: time_s does not increase from row to row, or a time is missing")
+    table.check_finite([[name.lower() for name in table.header].index(time)])
+    later = np.diff(times) > 0
+    if not later.all():
+        line = line_of(table.text, int(np.argmin(later)) + 1)
+        raise InputError(f"{path}: line {line}: time_s does not increase from the row before")
     interval = float(np.median(np.diff(clock)))
     if clock[0] < times[0] - interval or clock[-1] > times[-1] + interval:
         raise InputError(

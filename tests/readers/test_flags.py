@@ -85,6 +85,23 @@ def test_where_a_rest_is_not_told(tmp_path):
         read_rests(tmp_path / "r.csv", TIME_S)
 
 
+@pytest.mark.parametrize(
+    ("time", "says"),
+    [
+        ("", "line 12, column time_s: expected a number, got nothing, NaN or infinity"),
+        ("-inf", "line 12, column time_s: expected a number, got nothing, NaN or infinity"),
+        ("0.05", "line 12: time_s does not increase from the row before"),
+        ("0.09", "line 12: time_s does not increase from the row before"),
+    ],
+)
+def test_times_of_rests_are_named_with_their_line(tmp_path, time, says):
+    times = [str(t) for t in TIME_S]
+    times[10] = time
+    pd.DataFrame({"time_s": times, "stationary": 1}).to_csv(tmp_path / "r.csv", index=False)
+    with pytest.raises(InputError, match=rf"r\.csv: {says}"):
+        read_rests(tmp_path / "r.csv", TIME_S)
+
+
 @pytest.mark.parametrize("word", ["1", "TRUE"])
 @pytest.mark.parametrize(
     "name", ["time_s", "Time_S", "linear_velocity_mps", "yaw_rate_degps", "linear_sd", "valid"]
