@@ -21,7 +21,7 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.kinds import what_to_do
+from mobility_imu.readers.kinds import EXPORT, what_to_do
 from mobility_imu.readers.layout import Layout, check_names, find_layout, split_row
 from mobility_imu.readers.wording import listed, named, quoted
 from mobility_imu.results import Result
@@ -145,7 +145,8 @@ def decoded(raw: bytes, source: str, form: str | None = None) -> str:
     try:
         text = _as_text(raw)
     except UnicodeDecodeError as error:
-        raise InputError(f"{source}: not a text file (byte {error.start})") from None
+        do = EXPORT if form is None else f"expected {form}"
+        raise InputError(f"{source}: not a text file (byte {error.start}); {do}") from None
     before = _BEFORE.match(text)
     if before and "\ufeff" in before[0]:
         text = before[0].replace("\ufeff", "") + text[before.end() :]

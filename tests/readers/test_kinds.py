@@ -152,3 +152,9 @@ def test_json_is_no_table(tmp_path, text):
         assert "is JSON, expected a table" in refused(reader, tmp_path / "v.csv", *more)
     (tmp_path / "v.csv").write_text("[s] time,{a}\n0,1\n")
     assert "JSON" not in refused(read_velocities, tmp_path / "v.csv")
+
+
+def test_what_is_neither_a_text_nor_known(tmp_path):
+    (tmp_path / "r.bin").write_bytes(bytes(range(1, 256)))
+    assert f"not a text file (byte 127){EXPORT}" in refused(understand, tmp_path / "r.bin")
+    assert "(byte 127); expected TOML" in refused(read_section, tmp_path / "r.bin", "walker", ["a"])
