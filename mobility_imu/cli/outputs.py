@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mobility_imu.errors import InputError
-from mobility_imu.files import csv_bytes
+from mobility_imu.files import Outputs, csv_bytes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,6 +23,30 @@ OTHER_KINDS = (
     *(".tgz", ".rar", ".zst", ".lz4", ".lzma", ".xlsm", ".rds", ".sav", ".db", ".bmp", ".tif"),
 )
 """Endings that name a kind of file; others, such as .txt, and names without one do not."""
+
+
+def checked(
+    files: Mapping[str, Path | None], inputs: tuple[Path, ...], kind: str = TABLE
+) -> Outputs:
+    """Outputs of one kind, checked as files and by their names.
+
+    Parameters
+    ----------
+    files, inputs : as :class:`~mobility_imu.files.Outputs` takes them
+    kind : :data:`TABLE` or :data:`MOUNT`
+
+    Returns
+    -------
+    Outputs
+
+    Raises
+    ------
+    InputError
+        As ``Outputs``; then for a name that ends as that of another kind of file.
+    """
+    outputs = Outputs(files, inputs)
+    check_kinds(files, kind)
+    return outputs
 
 
 def check_kinds(outputs: Mapping[str, Path | None], kind: str = TABLE) -> None:

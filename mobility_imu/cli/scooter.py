@@ -20,9 +20,8 @@ from mobility_imu.cli.options import (
     sub_app,
     table_file,
 )
-from mobility_imu.cli.outputs import MOUNT, check_kinds, table_bytes
+from mobility_imu.cli.outputs import MOUNT, checked, table_bytes
 from mobility_imu.errors import InputError
-from mobility_imu.files import Outputs
 
 if TYPE_CHECKING:
     from mobility_imu.faults import Fault
@@ -111,8 +110,7 @@ def angles(
     from mobility_imu.readers import recording_files
     from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount
 
-    outputs = Outputs({"--output": output}, (*recording_files(recording), geometry))
-    check_kinds(outputs.files)
+    outputs = checked({"--output": output}, (*recording_files(recording), geometry))
     _check_options(method, single_imu, acc_noise_mps2)
     _tell_unused(method, form=form, median_window=median_window, causal=causal)
     with as_typed(WORDS):
@@ -215,8 +213,7 @@ def calibrate(
     from mobility_imu.scooter import ScooterGeometry, calibrate_mount, find_faults
 
     files = (file for path in parked for file in recording_files(path))
-    outputs = Outputs({"--output": output}, (*files, geometry, poses))
-    check_kinds(outputs.files, MOUNT)
+    outputs = checked({"--output": output}, (*files, geometry, poses), MOUNT)
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
     recordings = [read_input(path, "scooter", sampling_rate_hz, fill_gaps_s) for path in parked]
     of = [(one, fault) for one in recordings for fault in find_faults(one, scooter)]
@@ -298,8 +295,7 @@ def check(
         find_faults,
     )
 
-    outputs = Outputs({"--output": output}, (*recording_files(parked), geometry, poses))
-    check_kinds(outputs.files)
+    outputs = checked({"--output": output}, (*recording_files(parked), geometry, poses))
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad = read_poses(poses)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import re
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 BEGINS = {
     b"\x89HDF\r\n\x1a\n": "an HDF5 file, as APDM's programs write it",
@@ -51,6 +51,8 @@ PACKED = {
     b"\x1f\x8b": "gzip",
 }
 """How packed files begin that are not unpacked here, or not again."""
+CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+"""Bytes that no text has, whatever its encoding."""
 _ZIP = (b"PK\x03\x04", b"PK\x05\x06")
 _PICKLE = re.compile(rb"\x80[\x02-\x05]")
 _WEB_PAGE = re.compile(rb"\s*<(?:!doctype html|html|head)\b", re.IGNORECASE)
@@ -96,6 +98,20 @@ def what_to_do(raw: bytes, *, export: str = EXPORT) -> str:
     return f"is {kind}; {export}" if kind else ""
 
 
+def is_plain(raw: bytes) -> bool:
+    """Whether bytes can be a text with some content in an 8-bit encoding.
+
+    Parameters
+    ----------
+    raw : content, or its beginning
+
+    Returns
+    -------
+    bool
+    """
+    return raw.strip() != b"" and CONTROL.search(raw) is None
+
+
 def _first(kinds: Mapping[bytes, str], raw: bytes) -> str:
     return next((kind for begin, kind in kinds.items() if raw.startswith(begin)), "")
 
@@ -107,9 +123,22 @@ def _in_archive(raw: bytes, export: str) -> str:
             names = archive.namelist()
     except (OSError, ValueError, OverflowError, NotImplementedError, zipfile.BadZipFile):
         return ""
-    for begin, kind in IN_ARCHIVES.items():
-        if any(name.startswith(begin) for name in names):
-            return f"is {kind}; {export}"
+    kind = of_archive(names)
+    return f"is {kind}; {export}" if kind else "is a ZIP archive; unpack it and read what is in it"
+
+
+def of_archive(names: Sequence[str]) -> str:
+    """What a ZIP archive is by the files in it.
+
+    Parameters
+    ----------
+    names : of all files in it, with their folders
+
+    Returns
+    -------
+    str, empty for an archive of any files
+    """
     if names and all(name.endswith(".npy") for name in names):
-        return f"is an archive of NumPy's arrays (.npz); {export}"
-    return "is a ZIP archive; unpack it and read what is in it"
+        return "an archive of NumPy's arrays (.npz)"
+    found = (kind for begin, kind in IN_ARCHIVES.items() if any(n.startswith(begin) for n in names))
+    return next(found, "")

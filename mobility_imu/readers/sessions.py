@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from mobility_imu.errors import InputError
-from mobility_imu.readers.kinds import what_to_do
+from mobility_imu.readers.kinds import EXPORT, is_plain, of_archive, what_to_do
 from mobility_imu.readers.phyphox import EVENTS, is_phyphox, read_phyphox
 from mobility_imu.readers.sensor_logger import is_sensor_logger, read_sensor_logger
 from mobility_imu.readers.streams import Asked, Stream
@@ -124,9 +124,17 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
         files |= {EVENTS: _or_empty(text, str(events))} if str(events) in names else {}
         read_phone = PHONES[form][1]
         return form, read_phone({k: v for k, v in files.items() if v.strip()}, source, asked)
+    raise _no_session(path, names)
+
+
+def _no_session(path: Path, names: list[str]) -> InputError:
+    """Error for a folder or archive that holds nothing known; it says what is there."""
+    kind = "" if path.is_dir() else of_archive(names)
+    if kind:
+        return InputError(f"{path}: is {kind}; {EXPORT}")
     held = sorted(names) or [f"{p.name}/" for p in sorted(path.glob("*/"))]
     do = "" if path.is_dir() or not held else "; unpack it and give what is in it"
-    raise NoSession(
+    return NoSession(
         f"{path}: is a folder or archive without a session that is known (x-io, Sensor Logger, "
         f"phyphox); it holds {listed(held) or 'nothing'}{do}"
     )
@@ -195,7 +203,11 @@ def _what_else(path: Path) -> str:
             raw = file.read(LONGEST_BEGINNING)
     except (OSError, ValueError):
         return ""
-    return "" if raw.startswith(b"PK") else what_to_do(raw)
+    if raw.startswith(b"PK"):
+        return ""
+    if not raw.strip():
+        return "the file is empty"
+    return what_to_do(raw) or ("is a text, no archive; rename it to .csv" if is_plain(raw) else "")
 
 
 def own_name(path: Path) -> Path:

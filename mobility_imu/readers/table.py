@@ -21,7 +21,7 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.kinds import EXPORT, what_to_do
+from mobility_imu.readers.kinds import CONTROL, EXPORT, is_plain, what_to_do
 from mobility_imu.readers.layout import Layout, check_names, find_layout, split_row
 from mobility_imu.readers.wording import listed, named, quoted
 from mobility_imu.results import Result
@@ -51,8 +51,6 @@ MOST_RETURNS = 10
 """Carriage returns without a line feed, for each line feed, that are no ends of lines. Double ends
 of lines have one. Set by hand."""
 PART_BYTES = 2**20
-_CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
-"""Bytes that no text has, whatever its encoding."""
 _NUMBER = re.compile(
     r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|inf|infinity|nan)", re.ASCII | re.IGNORECASE
 )
@@ -185,7 +183,7 @@ def _is_other(raw: bytes) -> bool:
 
     They can be a text with some content in an 8-bit encoding, or begin as another kind of file.
     """
-    return what_to_do(raw) != "" or (raw.strip() != b"" and _CONTROL.search(raw) is None)
+    return what_to_do(raw) != "" or is_plain(raw)
 
 
 def _as_text(raw: bytes) -> str:
@@ -194,7 +192,7 @@ def _as_text(raw: bytes) -> str:
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
-        if _CONTROL.search(raw):
+        if CONTROL.search(raw):
             raise
         try:
             return raw.decode("cp1252")

@@ -109,12 +109,25 @@ def test_under_the_name_of_an_archive(tmp_path, kind):
     content, says = KINDS[kind]
     path.write_bytes(content)
     said = refused(understand, path)
-    if content.startswith(b"PK"):
+    if content.startswith(b"PK") and "ZIP archive" in says:
         assert "without a session that is known" in said
     elif content.startswith(b"\x1f\x8b"):
         assert "is packed by gzip" in said
     else:
         assert says in said
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (CSV, "is a text, no archive; rename it to .csv"),
+        (b"", "the file is empty"),
+        (b" ", "empty"),
+    ],
+)
+def test_texts_under_the_name_of_an_archive(tmp_path, content, says):
+    (tmp_path / "r.zip").write_bytes(content)
+    assert says in refused(understand, tmp_path / "r.zip")
 
 
 @pytest.mark.parametrize("kind", ["npy", "xlsx", "parquet", "mat", "sqlite"])
