@@ -20,7 +20,7 @@ OTHER_KINDS = (
     *(".png", ".svg", ".pdf", ".jpg", ".jpeg", ".gif", ".eps", ".docx", ".doc"),
     *(".csv", ".tsv", ".xlsx", ".xls", ".ods", ".parquet", ".feather", ".mat", ".npy", ".npz"),
     *(".pkl", ".pickle", ".h5", ".hdf5", ".sqlite", ".gz", ".zip", ".bz2", ".xz", ".7z", ".tar"),
-    *(".tgz", ".rar", ".zst", ".lz4", ".lzma", ".xlsm", ".rds", ".sav", ".db", ".bmp", ".tif"),
+    *(".tgz", ".rar", ".zst", ".lz4", ".lzma", ".xlsm", ".rds", ".db", ".bmp", ".tif"),
 )
 """Endings that name a kind of file; others, such as .txt, and names without one do not."""
 
