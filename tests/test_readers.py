@@ -210,9 +210,13 @@ def test_missing_empty_and_foreign_files(tmp_path):
     with pytest.raises(InputError, match=r"unknown format.*'a,b'"):
         read_recording(write(tmp_path / "other.csv", "a,b\n1,2\n"))
     picture = tmp_path / "picture.csv"
-    picture.write_bytes(b"\x89PNG\r\n\x1a\n\xff\xd8")
-    with pytest.raises(InputError, match="not a text file"):
-        read_recording(picture)
+    for content, says in (
+        (b"\x89PNG\r\n\x1a\n\xff\xd8", "is a picture"),
+        (b"\x00PNG\r\n\x1a\n\xff\xd8", "not a text file"),
+    ):
+        picture.write_bytes(content)
+        with pytest.raises(InputError, match=says):
+            read_recording(picture)
 
 
 def test_packed_file_that_is_cut_or_not_packed(tmp_path, table):

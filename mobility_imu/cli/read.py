@@ -10,8 +10,7 @@ import typer
 from mobility_imu.cli.inputs import check_reading
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Quiet, Rate, table_file
-from mobility_imu.cli.outputs import table_bytes
-from mobility_imu.files import Outputs
+from mobility_imu.cli.outputs import checked, table_bytes
 
 if TYPE_CHECKING:
     from mobility_imu.readers.recordings import Reading
@@ -55,7 +54,7 @@ def read(
     name = recording if len(recording) > 1 else recording[0]
     files = recording_files(name)
     inputs = (*files, *([] if map_path is None else [map_path]))
-    outputs = Outputs({"--output": output}, inputs)
+    outputs = checked({"--output": output}, inputs)
     check_reading(sampling_rate_hz, fill_gaps_s)
     found = understand(
         name,

@@ -20,9 +20,8 @@ from mobility_imu.cli.options import (
     sub_app,
     table_file,
 )
-from mobility_imu.cli.outputs import table_bytes
+from mobility_imu.cli.outputs import MOUNT, checked, table_bytes
 from mobility_imu.errors import InputError
-from mobility_imu.files import Outputs
 
 if TYPE_CHECKING:
     from mobility_imu.faults import Fault
@@ -111,7 +110,7 @@ def angles(
     from mobility_imu.readers import recording_files
     from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount
 
-    outputs = Outputs({"--output": output}, (*recording_files(recording), geometry))
+    outputs = checked({"--output": output}, (*recording_files(recording), geometry))
     _check_options(method, single_imu, acc_noise_mps2)
     _tell_unused(method, form=form, median_window=median_window, causal=causal)
     with as_typed(WORDS):
@@ -214,7 +213,7 @@ def calibrate(
     from mobility_imu.scooter import ScooterGeometry, calibrate_mount, find_faults
 
     files = (file for path in parked for file in recording_files(path))
-    outputs = Outputs({"--output": output}, (*files, geometry, poses))
+    outputs = checked({"--output": output}, (*files, geometry, poses), MOUNT)
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
     recordings = [read_input(path, "scooter", sampling_rate_hz, fill_gaps_s) for path in parked]
     of = [(one, fault) for one in recordings for fault in find_faults(one, scooter)]
@@ -296,7 +295,7 @@ def check(
         find_faults,
     )
 
-    outputs = Outputs({"--output": output}, (*recording_files(parked), geometry, poses))
+    outputs = checked({"--output": output}, (*recording_files(parked), geometry, poses))
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
     set_rad = read_poses(poses)
@@ -370,19 +369,19 @@ def read_poses(path: Path) -> list[tuple[float, float]]:
     """
     import numpy as np
 
-    from mobility_imu.readers.table import parse_numbers, read_text
+    from mobility_imu.readers.table import line_of, parse_numbers, read_text
 
     names = ["steering_deg", "throttle_deg"]
     table = parse_numbers(
         read_text(path), source=str(path), wanted=lambda name: name.lower() in names
     )
     columns = table.columns(names)
-    if not np.isfinite(columns).all():
-        raise InputError(f"{path}: an angle is missing")
-    largest = float(np.abs(columns).max())
-    if largest > LARGEST_POSE_DEG:
+    table.check_finite(range(len(table.header)))
+    beyond = (np.abs(columns) > LARGEST_POSE_DEG).any(axis=1)
+    if beyond.any():
+        row = int(np.argmax(beyond))
         raise InputError(
-            f"{path}: an angle of {largest:g}, expected between -{LARGEST_POSE_DEG:g} and "
-            f"{LARGEST_POSE_DEG:g} deg"
+            f"{path}: line {line_of(table.text, row)}: an angle of {np.abs(columns[row]).max():g}, "
+            f"expected between -{LARGEST_POSE_DEG:g} and {LARGEST_POSE_DEG:g} deg"
         )
     return [(float(steering), float(throttle)) for steering, throttle in np.deg2rad(columns)]

@@ -21,9 +21,8 @@ from mobility_imu.cli.options import (
     sub_app,
     table_file,
 )
-from mobility_imu.cli.outputs import table_bytes
+from mobility_imu.cli.outputs import MOUNT, checked, table_bytes
 from mobility_imu.errors import InputError
-from mobility_imu.files import Outputs
 
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
 Form = Literal["corrected", "printed"]
@@ -98,7 +97,7 @@ def calibrate(
     )
     from mobility_imu.walker.faults import not_told
 
-    outputs = Outputs({"--output": output}, (*recording_files(tilts), geometry))
+    outputs = checked({"--output": output}, (*recording_files(tilts), geometry), MOUNT)
     if form != "corrected" and method == "all-samples":
         warn([f"--form has no effect with --method {method}"])
     frame = WalkerGeometry.from_toml(geometry)
@@ -166,7 +165,7 @@ def trajectory(
     from mobility_imu.walker import WalkerMount
 
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
-    outputs = Outputs({"--output": output, "--steps": steps}, files)
+    outputs = checked({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
     recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s)
     known = None if rests is None else read_rests(rests, recording.time_s)

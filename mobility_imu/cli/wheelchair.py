@@ -11,7 +11,7 @@ import typer
 from mobility_imu.cli.inputs import as_typed, check_reading, naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Quiet, Rate, Strict, Table, sub_app, table_file
-from mobility_imu.cli.outputs import table_bytes
+from mobility_imu.cli.outputs import check_kinds, checked, table_bytes
 from mobility_imu.errors import InputError, MissingExtraError, needs
 from mobility_imu.files import Outputs, figure_bytes
 
@@ -97,7 +97,7 @@ def velocity(
     from mobility_imu.wheelchair.faults import not_told, with_valid
 
     trials = (trial, static, straight)
-    outputs = Outputs({"--output": output}, (*_files(trials), geometry))
+    outputs = checked({"--output": output}, (*_files(trials), geometry))
     _tell_unused(smoothing, filter_window, filter_order)
     chair = WheelchairGeometry.from_toml(geometry)
     read = _read(trials, sampling_rate_hz, fill_gaps_s)
@@ -332,6 +332,7 @@ def tasks(
     """Locomotor tasks and a chronogram from a chair's velocities (WheelMove-ID)."""
     inputs = (velocity,) if settings is None else (velocity, settings)
     outputs = Outputs({"--output": output, "--events": events, "--figure": figure}, inputs)
+    check_kinds({"--output": output, "--events": events})
     if figure is not None and figure.suffix.lower() not in PICTURES:
         raise InputError(f"--figure {figure}: expected a name that ends in .png, .svg or .pdf")
     if figure is not None:

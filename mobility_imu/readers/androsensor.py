@@ -67,7 +67,7 @@ def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]
     plain = comma_separated(from_names(text))
     _check_once([name.strip() for name in split_row(plain.partition("\n")[0], ",")], source)
     try:
-        table = pd.read_csv(io.StringIO(plain), index_col=False)
+        table = _table(plain)
     except (ValueError, pd.errors.ParserError) as error:
         raise InputError(f"{source}: cannot be read as a table ({quoted(str(error))})") from None
     if not len(table):
@@ -83,6 +83,16 @@ def read_androsensor(text: str, source: str, asked: Asked) -> tuple[Stream, ...]
     gyr = _vectors(table, gyroscope, "gyr", source, line) if turns else None
     time_s = elapsed + np.median(wall - elapsed)
     return (Stream(time_s, acc, gyr, source=source),)
+
+
+def _table(text: str) -> Any:
+    """Table whose words stay words: pandas takes a column of TRUE and FALSE for truth values."""
+    import pandas as pd
+
+    read = partial(pd.read_csv, index_col=False, low_memory=False)
+    table = read(io.StringIO(text))
+    words = {name: str for name, dtype in table.dtypes.items() if dtype.kind == "b"}
+    return read(io.StringIO(text), dtype=words) if words else table
 
 
 def _check_once(names: list[str], source: str) -> None:

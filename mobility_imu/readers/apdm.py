@@ -135,6 +135,10 @@ def _format_7(text: str, source: str) -> tuple[Stream, ...]:
     for k, name in enumerate(names):
         place, what, axis, _ = name.rsplit("/", 3)
         if what in FORMAT_7 and axis in ("X", "Y", "Z"):
+            if (place, FORMAT_7[what], axis) in wanted:
+                raise InputError(
+                    f"{source}: column {quoted(name[: name.rindex('/')])} stands twice"
+                )
             wanted[(place, FORMAT_7[what], axis)] = k
     if not wanted:
         raise InputError(f"{source}: no accelerations found in the three header rows")

@@ -7,7 +7,7 @@ import re
 from mobility_imu.errors import InputError
 from mobility_imu.readers.streams import Asked, Stream
 from mobility_imu.readers.table import MEND_ROW, parse_numbers
-from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.readers.wording import listed, named
 
 AXES = ("x", "y", "z")
 _COLUMN = re.compile(r"(\w+?)_(acc_[xyz]_mps2|gyr_[xyz]_radps)")
@@ -52,7 +52,7 @@ def read_canonical(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
             return True
         if not name or _MEANT.search(name):
             raise InputError(
-                f"{source}: column {quoted(name)} is not known; expected <sensor>_acc_x_mps2 or "
+                f"{source}: column {named(name)} is not known; expected <sensor>_acc_x_mps2 or "
                 "<sensor>_gyr_x_radps"
             )
         return False

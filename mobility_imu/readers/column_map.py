@@ -35,7 +35,7 @@ from mobility_imu.readers.json_samples import json_table
 from mobility_imu.readers.layout import SEPARATORS, split_row
 from mobility_imu.readers.streams import TIME_UNITS, Stream, factor, known_unit, times_of_rows
 from mobility_imu.readers.table import MEND_ROW, NumberTable, parse_numbers
-from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.readers.wording import listed, named, quoted
 
 CLOCK_WORDS = {unit: unit for unit in TIME_UNITS} | {"µs": "us", "μs": "us", "sec": "s"}
 _BRACKETED = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
@@ -113,7 +113,7 @@ def _other_units(
         stated = {found for text in _BRACKETED.findall(column) if (found := known(text.strip()))}
         if stated and unit not in stated:
             said.append(
-                f"{source}: the name of column {quoted(column)} states {listed(sorted(stated))}, "
+                f"{source}: the name of column {named(column)} states {listed(sorted(stated))}, "
                 f"but {Path(map_path).name} says {unit}, which is taken"
             )
     return tuple(said)
@@ -187,7 +187,7 @@ def _plan(path: str | Path) -> dict[str, Any]:
     sensors = plan.get("sensors")
     sections = {"clock": plan.get("clock"), "sensors": sensors}
     if isinstance(sensors, dict):
-        sections |= {f"sensors.{quoted(name)}": sensor for name, sensor in sensors.items()}
+        sections |= {f"sensors.{named(name)}": sensor for name, sensor in sensors.items()}
     for name, value in sections.items():
         if is_repeated(value):
             raise InputError(f"{path}: write [{name}], not [[{name}]]")
@@ -230,7 +230,7 @@ def _check_clock(clock: dict[str, Any], path: str | Path) -> None:
 def _check_sensors(sensors: dict[str, Any], path: str | Path) -> None:
     lower = [name.lower() for name in sensors]
     for name, sensor in sensors.items():
-        place = f"{path}, [sensors.{quoted(name)}]"
+        place = f"{path}, [sensors.{named(name)}]"
         if not re.fullmatch(r"\w+", name):
             raise InputError(f"{place}: a sensor's name is of letters, digits and _ only")
         if lower.count(name.lower()) > 1:

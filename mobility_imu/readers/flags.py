@@ -8,8 +8,8 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.table import NumberTable, cells_of, parse_numbers
-from mobility_imu.readers.wording import quoted
+from mobility_imu.readers.table import NumberTable, cells_of, line_of, parse_numbers
+from mobility_imu.readers.wording import named, quoted
 
 TRUE = frozenset({"true", "t", "yes", "y", "vrai", "oui", "verdadero", "sí", "si"})
 FALSE = frozenset({"false", "f", "no", "n", "faux", "non", "falso"})
@@ -52,26 +52,36 @@ def flag_column(table: NumberTable, place: int) -> FloatArray:
 
     Returns
     -------
-    (n,) array, the number of each cell: 1 for a word that says true, 0 for false, NaN for nothing
+    (n,) array, 1 for a cell that says true, 0 for false, NaN for nothing
 
     Raises
     ------
     InputError
-        With the line of the first cell that is neither a number nor such a word.
+        With the line of the first cell that is neither 1 nor 0 nor such a word.
     """
     name = table.every[place]
     if table.header.count(name) == 1:
-        return table.numbers[:, table.header.index(name)]
-    flags = []  # cell by cell, which is slow
+        flags = table.numbers[:, table.header.index(name)]
+        wrong = ~(np.isnan(flags) | (flags == 0) | (flags == 1))
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            line = line_of(table.text, row, table.first_line)
+            raise _no_flag(table, line, name, f"{flags[row]:g}")
+        return flags
+    words = []  # cell by cell, which is slow
     for line, cell in cells_of(table.text, place, table.source, table.first_line):
         try:
-            flags.append(_flag(cell))
+            words.append(_flag(cell))
         except ValueError:
-            raise InputError(
-                f"{table.source}: line {line}, column {quoted(name)}: got "
-                f"'{quoted(cell)}', expected 1 or 0, TRUE or FALSE, yes or no"
-            ) from None
-    return np.array(flags)
+            raise _no_flag(table, line, name, cell) from None
+    return np.array(words)
+
+
+def _no_flag(table: NumberTable, line: int, name: str, cell: str) -> InputError:
+    return InputError(
+        f"{table.source}: line {line}, column {named(name)}: got '{quoted(cell)}', expected 1 or "
+        "0, TRUE or FALSE, yes or no"
+    )
 
 
 def _flag(cell: str) -> float:
@@ -80,4 +90,7 @@ def _flag(cell: str) -> float:
         return float(word in TRUE)
     if word in MISSING:
         return float("nan")
-    return float(cell.replace(",", "."))
+    number = float(cell.replace(",", "."))
+    if number not in (0, 1) or not cell.isascii():
+        raise ValueError(cell)
+    return number

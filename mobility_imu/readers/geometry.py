@@ -12,7 +12,7 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.readers.table import read_text
-from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.readers.wording import listed, named, quoted
 
 SECTIONS = (
     "scooter",
@@ -109,11 +109,12 @@ def read_arrays(
             f"{path}, [{section}]: {listed(unknown)} is unknown (known: {', '.join(known)})"
         )
     arrays = {}
-    for key, shape in shapes.items():
+    for key, shape in sorted(shapes.items(), key=lambda pair: pair[0] not in table):
         numbers = _as_array(table.get(key), shape)
         if not np.isfinite(numbers).all():
             size = " x ".join(map(str, shape))
-            raise InputError(f"{path}, [{section}] {key}: expected {size} numbers")
+            but = "" if key in table else "; it is missing" if table else "; the section is empty"
+            raise InputError(f"{path}, [{section}] {key}: expected {size} numbers{but}")
         arrays[key] = numbers
     return arrays
 
@@ -162,7 +163,7 @@ def read_toml(path: str | Path, *, again: bool = False) -> dict[str, Any]:
     InputError
         No such file, or no TOML.
     """
-    text = read_text(path, again=again)
+    text = read_text(path, again=again, form="TOML")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -224,17 +225,17 @@ def _as_array(value: object, shape: tuple[int, ...]) -> FloatArray:
 
 
 def _check_sections(table: dict[str, Any], path: str | Path) -> None:
-    named = dict(table)
+    every = dict(table)
     for device, section in table.items():
         if device in SECTIONS and isinstance(section, dict):
-            inner = {f"{device}.{name}": value for name, value in section.items()}
+            inner = {f"{device}.{named(name)}": value for name, value in section.items()}
             # What is neither a section nor called like one is a number of the device.
-            named |= {n: v for n, v in inner.items() if n in SECTIONS or isinstance(v, dict)}
-    for name, value in named.items():
+            every |= {n: v for n, v in inner.items() if n in SECTIONS or isinstance(v, dict)}
+    for name, value in every.items():
         if name in SECTIONS and not isinstance(value, dict):
             instead = f"[[{name}]]" if is_repeated(value) else f"{name} = {shown(value)}"
             raise InputError(f"{path}: write [{name}], not {instead}")
-    unknown = [name for name in named if name not in SECTIONS]
+    unknown = [name for name in every if name not in SECTIONS]
     if unknown:
         known = ", ".join(f"[{name}]" for name in SECTIONS)
         raise InputError(f"{path}: {listed(unknown)} is unknown (known sections: {known})")

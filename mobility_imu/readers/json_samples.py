@@ -6,13 +6,13 @@ BLE) are in g, deg/s and s; other units are stated by a map.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from mobility_imu.errors import InputError
+from mobility_imu.readers.json_text import RepeatedKeyError, load_json
 from mobility_imu.readers.streams import Asked, Stream, stream_in_g_and_degrees
 from mobility_imu.readers.table import NumberTable
 from mobility_imu.readers.wording import quoted
@@ -85,7 +85,9 @@ def json_table(text: str, source: str, keys: Sequence[str]) -> NumberTable:
         If it is no such array, or a value is no number.
     """
     try:
-        samples = json.loads(text)
+        samples = load_json(text)
+    except RepeatedKeyError as error:
+        raise InputError(f"{source}: {error}") from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"{source}: no JSON ({error}); is the file complete?") from None
     if not isinstance(samples, list) or not samples:
@@ -119,9 +121,9 @@ def json_number(value: object) -> float:
     Raises
     ------
     ValueError
-        If it is none; Python takes true for 1 and "1_0" for 10.
+        If it is none; Python takes true for 1, "1_0" for 10, and digits of other scripts.
     """
-    if isinstance(value, bool) or "_" in str(value):
+    if isinstance(value, bool) or "_" in str(value) or not str(value).isascii():
         raise ValueError(value)
     try:
         return float(value)  # type: ignore[arg-type]  # what is no number is refused

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from mobility_imu.errors import InputError
-from mobility_imu.readers.wording import quoted
+from mobility_imu.readers.wording import named
 
 SEPARATORS = ("\t", ";", ",")
 ROWS_LOOKED_AT = 20
@@ -20,6 +20,8 @@ ROWS_LOOKED_AT = 20
 _NOTHING = " \t\r\v\f;,"
 _SEP_LINE = re.compile(r'\s*"?sep=(.)"?[\s;,]*', re.IGNORECASE)
 """Where a spreadsheet filled the rows up, separators stand behind it."""
+_JSON = re.compile(r'\s*(?:\{\s*["}]|\[\s*[\[{])')
+"""How an object or an array of JSON begins; no table has such names."""
 
 
 class Layout(NamedTuple):
@@ -76,6 +78,10 @@ def find_layout(
             break
         head, rest = _next_line(rest)
         line += 1
+    if _JSON.match(text):
+        raise InputError(
+            f"{source}: is JSON, expected a table with the names of its columns in the first line"
+        )
     if not rest.strip():
         raise InputError(f"{source}: a header, but no rows of data")
     if separator is None:
@@ -206,5 +212,5 @@ def check_names(names: Sequence[str], source: str) -> None:
     seen: set[str] = set()
     for name in names:
         if name.lower() in seen:
-            raise InputError(f"{source}: column {quoted(name.lower())} stands twice")
+            raise InputError(f"{source}: column {named(name.lower())} stands twice")
         seen.add(name.lower())

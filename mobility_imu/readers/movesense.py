@@ -6,7 +6,6 @@ memory, sbem2json, writes ``{"Samples": [{"MeasIMU9": block}, ...]}``.
 
 from __future__ import annotations
 
-import json
 import re
 from typing import Any
 
@@ -16,6 +15,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.halves import Half, join_halves
 from mobility_imu.readers.json_samples import json_number
+from mobility_imu.readers.json_text import RepeatedKeyError, load_json
 from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
 from mobility_imu.readers.wording import listed
 
@@ -78,10 +78,12 @@ def read_movesense(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
 def _lists(text: str, source: str) -> tuple[list[Any], list[Any]]:
     """Blocks with accelerations and blocks with rates; the same list where each has both."""
     try:
-        log = json.loads(text)
+        log = load_json(text)
         measured = log["Meas"] if "Meas" in log else _by_kind(log["Samples"])
         kind = next((name for name in LISTS if name in measured), None)
         found = (measured[kind or "Acc"], measured[kind or "Gyro"])
+    except RepeatedKeyError as error:
+        raise InputError(f"{source}: {error}") from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"{source}: no JSON ({error}); is the file complete?") from None
     except (KeyError, TypeError, AttributeError):

@@ -10,6 +10,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
+from mobility_imu.readers.table import as_numbers
 from mobility_imu.readers.wording import listed, quoted
 from mobility_imu.results import Result
 
@@ -72,12 +73,15 @@ def parse_optitrack(text: str, body: str, source: str) -> Poses:
         have = listed(list(dict.fromkeys(name for name in names[2:] if ":" not in name)))
         raise InputError(f"{source}: no rigid body {body} (it has: {have})")
     try:
-        table = pd.read_csv(
-            io.StringIO(lines[HEADER_LINES]), header=None, usecols=[1, *columns], dtype=float
-        )
+        table = pd.read_csv(io.StringIO(lines[HEADER_LINES]), header=None, usecols=[1, *columns])
     except (ValueError, pd.errors.ParserError) as error:
         raise InputError(f"{source}: cannot be read as a table ({quoted(str(error))})") from None
-    time_s, poses = table[1].to_numpy(float), table[columns].to_numpy(float)
+    numbers = as_numbers(table[[1, *columns]])
+    if numbers is None:
+        raise InputError(
+            f"{source}: cannot be read as a table (a time or a number of {body} is a word)"
+        )
+    time_s, poses = numbers[:, 0], numbers[:, 1:]
     if len(time_s) < 2 or not np.isfinite(time_s).all() or not (np.diff(time_s) > 0).all():
         raise InputError(f"{source}: the times of the frames do not increase")
     return Poses(time_s, poses[:, :4], poses[:, 4:])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import re
+import stat
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -405,7 +407,7 @@ def _streams_of_one(
             return XSENS, of_one_prefix(whole, parts, asked), True
         if no_session is not None:
             raise InputError(f"{no_session}{exports_in(whole)}")
-        what, do = "is a folder" if _is_folder(whole) else "no such file", beside(whole)
+        what, do = _not_there(whole), beside(whole)
         if _is_there(Path(_file_and_label(str(whole))[0])):
             do = f"; one sensor of a file is given a name, as in frame={whole}"
         raise InputError(f"{whole}: {what}, and no Xsens exports whose names begin like this{do}")
@@ -457,8 +459,10 @@ def _pairs(parts: Sequence[str], *, loose: bool = False) -> list[tuple[str, str]
         for match, part in zip(found, parts, strict=True)
     ]
     names = [name for name, _ in pairs if name]
-    if len(set(names)) < len(names):
-        raise InputError(f"{quoted(','.join(parts))}: a sensor is named twice")
+    twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
+    if twice is not None:
+        what = "the clock is" if twice == CLOCK else f"the sensor {twice} is"
+        raise InputError(f"{quoted(','.join(parts))}: {what} named twice; give it once")
     _check_case(names, quoted(",".join(parts)), "give each file a name of its own")
     for name, value in pairs:
         if name == CLOCK and value not in CLOCKS:
@@ -577,8 +581,13 @@ def _is_there(path: Path) -> bool:
         return False
 
 
-def _is_folder(path: Path) -> bool:
+def _not_there(path: Path) -> str:
+    """What a name leads to that is no file; an error where the system does not tell."""
     try:
-        return path.is_dir()
-    except (OSError, ValueError):
-        return False
+        return "is a folder" if stat.S_ISDIR(path.stat().st_mode) else "no such file"
+    except ValueError:
+        return "no such file"
+    except OSError as error:
+        if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG):
+            return "no such file"
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None

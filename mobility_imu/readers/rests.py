@@ -11,7 +11,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import as_clock
 from mobility_imu.readers.flags import flag_column, with_flags
 from mobility_imu.readers.layout import check_names
-from mobility_imu.readers.table import read_text
+from mobility_imu.readers.table import line_of, read_text
 
 __all__ = ["read_rests"]
 
@@ -60,13 +60,14 @@ def read_rests(path: str | Path, time_s: ArrayLike) -> NDArray[np.bool_]:
     flags = flag_column(table, names.index(stationary))
     if len(table) < 2:
         raise InputError(f"{path}: {len(table)} row(s), expected one for each sample")
-    wrong = ~np.isin(flags, (0.0, 1.0))
-    if wrong.any():
-        k = int(np.argmax(wrong))
-        raise InputError(f"{path}: stationary is {flags[k]:g} in row {k + 1}, expected 0 or 1")
-    increases = np.isfinite(times).all() and bool((np.diff(times) > 0).all())
-    if not increases:
-        raise InputError(f"{path}: time_s does not increase from row to row, or a time is missing")
+    if np.isnan(flags).any():
+        line = line_of(table.text, int(np.argmax(np.isnan(flags))))
+        raise InputError(f"{path}: line {line}, column stationary: is empty, expected 1 or 0")
+    table.check_finite([[name.lower() for name in table.header].index(time)])
+    later = np.diff(times) > 0
+    if not later.all():
+        line = line_of(table.text, int(np.argmin(later)) + 1)
+        raise InputError(f"{path}: line {line}: time_s does not increase from the row before")
     interval = float(np.median(np.diff(clock)))
     if clock[0] < times[0] - interval or clock[-1] > times[-1] + interval:
         raise InputError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import zipfile
 import zlib
 from collections.abc import Callable
@@ -9,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from mobility_imu.errors import InputError
+from mobility_imu.readers.kinds import EXPORT, is_plain, of_archive, what_to_do
 from mobility_imu.readers.phyphox import EVENTS, is_phyphox, read_phyphox
 from mobility_imu.readers.sensor_logger import is_sensor_logger, read_sensor_logger
 from mobility_imu.readers.streams import Asked, Stream
@@ -28,6 +30,8 @@ MOST_FILES = 200
 """Tables in a folder whose beginnings are read; more are a study. Set by hand."""
 DAMAGED = (zipfile.BadZipFile, EOFError, zlib.error, LZMAError)
 """Errors of an archive that is not as it was written."""
+LONGEST_BEGINNING = 1000
+"""Bytes by which a file is known that is no archive."""
 LOCKED = 1
 """Flag of a file in an archive that needs a password (APPNOTE.TXT, section 4.4.4, bit 0)."""
 UNNAMED = ("", "..")
@@ -120,9 +124,17 @@ def read_session(path: Path, asked: Asked) -> tuple[str, tuple[Stream, ...]]:
         files |= {EVENTS: _or_empty(text, str(events))} if str(events) in names else {}
         read_phone = PHONES[form][1]
         return form, read_phone({k: v for k, v in files.items() if v.strip()}, source, asked)
+    raise _no_session(path, names)
+
+
+def _no_session(path: Path, names: list[str]) -> InputError:
+    """Error for a folder or archive that holds nothing known; it says what is there."""
+    kind = "" if path.is_dir() else of_archive(names)
+    if kind:
+        return InputError(f"{path}: is {kind}; {EXPORT}")
     held = sorted(names) or [f"{p.name}/" for p in sorted(path.glob("*/"))]
     do = "" if path.is_dir() or not held else "; unpack it and give what is in it"
-    raise NoSession(
+    return NoSession(
         f"{path}: is a folder or archive without a session that is known (x-io, Sensor Logger, "
         f"phyphox); it holds {listed(held) or 'nothing'}{do}"
     )
@@ -142,6 +154,8 @@ def _xio_sessions(inertial: list[str]) -> list[PurePosixPath]:
 def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
     """Names of the files of a session, and a function that reads one."""
     if path.is_dir():
+        if not os.access(path, os.R_OK | os.X_OK):
+            raise InputError(f"{path}: the folder cannot be read (no permission)")
         names = [p.relative_to(path).as_posix() for p in session_files(path)]
         return [name for name in names if not _is_hidden(name)], lambda name: read_text(path / name)
     try:
@@ -154,6 +168,9 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
             f"it is marked){UNPACK}"
         ) from None
     except (OSError, ValueError, OverflowError, *DAMAGED, NotImplementedError) as error:
+        other = _what_else(path)
+        if other:
+            raise InputError(f"{path}: {other}") from None
         raise InputError(
             f"{path}: cannot be opened as an archive ({error}); is it complete?"
         ) from None
@@ -179,6 +196,20 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
     return names, content
 
 
+def _what_else(path: Path) -> str:
+    """What a file is under the name of an archive, and what to do; empty if that is not known."""
+    try:
+        with path.open("rb") as file:
+            raw = file.read(LONGEST_BEGINNING)
+    except (OSError, ValueError):
+        return ""
+    if raw.startswith(b"PK"):
+        return ""
+    if not raw.strip():
+        return "the file is empty"
+    return what_to_do(raw) or ("is a text, no archive; rename it to .csv" if is_plain(raw) else "")
+
+
 def own_name(path: Path) -> Path:
     """Path, or the folder's own name where it is typed as ``.`` or ``..``.
 
@@ -189,8 +220,20 @@ def own_name(path: Path) -> Path:
     Returns
     -------
     Path
+
+    Raises
+    ------
+    InputError
+        If the current folder was removed, so that it has no name.
     """
-    return Path(path.resolve().name or path) if path.name in UNNAMED else path
+    if path.name not in UNNAMED:
+        return path
+    try:
+        return Path(path.resolve().name or path)
+    except OSError:
+        raise InputError(
+            f"{path}: the current folder does not exist any more; change to one that does"
+        ) from None
 
 
 def _is_hidden(name: str) -> bool:

@@ -10,8 +10,9 @@ from typing import Any
 from mobility_imu.errors import InputError
 from mobility_imu.frames import shown
 from mobility_imu.readers.geometry import as_number
+from mobility_imu.readers.json_text import RepeatedKeyError, load_json
 from mobility_imu.readers.table import read_text
-from mobility_imu.readers.wording import quoted
+from mobility_imu.readers.wording import named
 
 
 def read_json_numbers(path: str | Path) -> dict[str, float | None]:
@@ -30,12 +31,12 @@ def read_json_numbers(path: str | Path) -> dict[str, float | None]:
     InputError
         If the file is no such object; the message names the key.
     """
-    text = read_text(path)
+    text = read_text(path, form="JSON")
     try:
-        content: Any = json.loads(text, object_pairs_hook=_without_repeats)
+        content: Any = load_json(text)
     except json.JSONDecodeError as error:
         raise InputError(f"{path}: not valid JSON ({error})") from None
-    except InputError as error:
+    except RepeatedKeyError as error:
         raise InputError(f"{path}: {error}") from None
     except RecursionError:
         raise InputError(f"{path}: not a JSON object of settings (nested too deeply)") from None
@@ -48,15 +49,6 @@ def read_json_numbers(path: str | Path) -> dict[str, float | None]:
     for key, value in content.items():
         number = None if value is None else as_number(value)
         if value is not None and (number is None or not isfinite(number)):
-            raise InputError(f"{path}: {quoted(key)} = {shown(value)}, expected a number")
+            raise InputError(f"{path}: {named(key)} = {shown(value)}, expected a number")
         numbers[key] = number
     return numbers
-
-
-def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in found:
-            raise InputError(f"{quoted(key)} stands twice")
-        found[key] = value
-    return found

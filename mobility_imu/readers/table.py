@@ -21,29 +21,13 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
 from mobility_imu.frames import FloatArray
+from mobility_imu.readers.kinds import CONTROL, EXPORT, is_plain, what_to_do
 from mobility_imu.readers.layout import Layout, check_names, find_layout, split_row
-from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.readers.wording import listed, named, quoted
 from mobility_imu.results import Result
 
-BINARY = {
-    b"\x89HDF\r\n\x1a\n": "an HDF5 file, as APDM's programs write it",
-    b"PK\x03\x04": "an archive or a workbook",
-    b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1": "a workbook of an older Excel",
-    b"MATLAB 5.0": "a MATLAB file",
-    b"MATLAB 7.3": "a MATLAB file",
-}
-"""How files begin that hold numbers, but no text."""
 GZIP = b"\x1f\x8b"
 """How a packed file begins (RFC 1952, section 2.3.1)."""
-PACKED = {
-    b"\xfd7zXZ\x00": "xz",
-    b"BZh": "bzip2",
-    b"7z\xbc\xaf\x27\x1c": "7-Zip",
-    b"Rar!\x1a\x07": "RAR",
-    b"\x28\xb5\x2f\xfd": "Zstandard",
-    GZIP: "gzip",
-}
-"""How packed files begin that are not unpacked here, or not again."""
 LARGEST_UNPACKED = 2_000_000_000
 """Bytes of an unpacked file; more is no recording, and may fill the memory. Set by hand: 8 hours of
 three sensors at 100 Hz with rows of 250 characters are 720 million."""
@@ -67,8 +51,6 @@ MOST_RETURNS = 10
 """Carriage returns without a line feed, for each line feed, that are no ends of lines. Double ends
 of lines have one. Set by hand."""
 PART_BYTES = 2**20
-_CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
-"""Bytes that no text has, whatever its encoding."""
 _NUMBER = re.compile(
     r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|inf|infinity|nan)", re.ASCII | re.IGNORECASE
 )
@@ -78,13 +60,14 @@ class EmptyFile(InputError):
     """A file without content."""
 
 
-def read_text(path: str | Path, *, again: bool = False) -> str:
+def read_text(path: str | Path, *, again: bool = False, form: str | None = None) -> str:
     """Content of a text file; a packed one (gzip) is unpacked, whatever its name.
 
     Parameters
     ----------
     path : file, or a pipe
     again : whether it is read more than once, which no pipe allows
+    form : what is expected, such as "TOML"; None for a recording or another table
 
     Returns
     -------
@@ -98,8 +81,7 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
     path = as_path(path)
     try:
         raw = _read_bytes(path, again)
-        # Under the name of a packed file, a browser may have saved what it unpacked.
-        if raw.startswith(GZIP) or (path.suffix.lower() == ".gz" and not _is_plain(raw)):
+        if raw.startswith(GZIP) or (path.suffix.lower() == ".gz" and not _is_other(raw)):
             raw = _unpacked(raw, path)
     except InputError:
         raise
@@ -110,7 +92,7 @@ def read_text(path: str | Path, *, again: bool = False) -> str:
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise InputError(f"{path}: cannot be read ({why})") from None
-    return decoded(raw, str(path))
+    return decoded(raw, str(path), form)
 
 
 def beside(path: Path) -> str:
@@ -135,7 +117,7 @@ def _unpacked(raw: bytes, path: Path) -> bytes:
     return content
 
 
-def decoded(raw: bytes, source: str) -> str:
+def decoded(raw: bytes, source: str, form: str | None = None) -> str:
     """Text of a file in UTF-8, in UTF-16 with its mark, or as Windows in Western Europe writes it.
 
     Lines may end as on an old Macintosh, which some programs still write.
@@ -144,6 +126,7 @@ def decoded(raw: bytes, source: str) -> str:
     ----------
     raw : content
     source : the file's name, for messages
+    form : as for :func:`read_text`
 
     Returns
     -------
@@ -154,16 +137,14 @@ def decoded(raw: bytes, source: str) -> str:
     InputError
         If it is empty or not text.
     """
-    kind = next((kind for begin, kind in BINARY.items() if raw.startswith(begin)), None)
-    if kind is not None:
-        raise InputError(f"{source}: is {kind}; export the recording as CSV and read that")
-    packed = next((program for begin, program in PACKED.items() if raw.startswith(begin)), None)
-    if packed is not None:
-        raise InputError(f"{source}: is packed by {packed}; unpack it and read what is in it")
+    no_text = what_to_do(raw) if form is None else what_to_do(raw, export=f"expected {form}")
+    if no_text:
+        raise InputError(f"{source}: {no_text}")
     try:
         text = _as_text(raw)
     except UnicodeDecodeError as error:
-        raise InputError(f"{source}: not a text file (byte {error.start})") from None
+        do = EXPORT if form is None else f"expected {form}"
+        raise InputError(f"{source}: not a text file (byte {error.start}); {do}") from None
     before = _BEFORE.match(text)
     if before and "\ufeff" in before[0]:
         text = before[0].replace("\ufeff", "") + text[before.end() :]
@@ -197,9 +178,12 @@ def _with_line_feeds(text: str) -> str:
     return text
 
 
-def _is_plain(raw: bytes) -> bool:
-    """Whether bytes can be a text with some content in an 8-bit encoding."""
-    return raw.strip() != b"" and _CONTROL.search(raw) is None
+def _is_other(raw: bytes) -> bool:
+    """Whether bytes are known as no packed file: as a browser saves what it unpacked, by its name.
+
+    They can be a text with some content in an 8-bit encoding, or begin as another kind of file.
+    """
+    return what_to_do(raw) != "" or is_plain(raw)
 
 
 def _as_text(raw: bytes) -> str:
@@ -208,7 +192,7 @@ def _as_text(raw: bytes) -> str:
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
-        if _CONTROL.search(raw):
+        if CONTROL.search(raw):
             raise
         try:
             return raw.decode("cp1252")
@@ -308,7 +292,7 @@ class NumberTable(Result):
                     else f"sample {row}"
                 )
                 raise InputError(
-                    f"{self.source}: {where}, column {quoted(self.header[k])}: expected a number, "
+                    f"{self.source}: {where}, column {named(self.header[k])}: expected a number, "
                     f"got nothing, NaN or infinity ({int(bad.sum())} such row(s)); {advice}"
                 )
 
@@ -365,7 +349,7 @@ def parse_numbers(
     frame = _read_quickly(layout, columns)
     if '"' in layout.body and (frame is None or len(frame) != sum(1 for _ in _lines(layout))):
         _check_quotes(layout, columns, source)
-    values = None if frame is None else _as_numbers(frame[[*columns, count]])
+    values = None if frame is None else as_numbers(frame[[*columns, count]])
     if values is None or np.isnan(values[:, :-1]).any() or not np.isnan(values[:, -1]).all():
         # Slow and thorough, only when something is wrong: name the line and the column.
         _check_cells(layout, columns, source)
@@ -424,7 +408,6 @@ def _read_quickly(layout: Layout, columns: Sequence[int]) -> Any:
     # versions drop what follows a NUL, too.
     if _first_row(layout.body).count(layout.separator) > count or "\0" in layout.body:
         return None
-    all_read = len(floats) == count
     try:
         return pd.read_csv(
             io.StringIO(layout.body),
@@ -434,20 +417,31 @@ def _read_quickly(layout: Layout, columns: Sequence[int]) -> Any:
             names=list(range(count + 1)),
             index_col=False,
             decimal=layout.decimal,
-            dtype=np.float64 if all_read else {k: str for k in range(count) if k not in floats},
+            dtype={k: str for k in range(count) if k not in floats},
             skipinitialspace=layout.separator != " ",
+            low_memory=False,  # in parts, one column could have several types
             **_exact(pd.__version__),
         )
     except (ValueError, OverflowError, pd.errors.ParserError):
         return None
 
 
-def _as_numbers(frame: Any) -> FloatArray | None:
-    """Columns as numbers; None if one holds text."""
-    try:
-        return np.asarray(frame.to_numpy(dtype=float))
-    except (ValueError, TypeError, OverflowError):
+def as_numbers(frame: Any) -> FloatArray | None:
+    """Columns of a pandas table as numbers; None if one holds anything else.
+
+    Words such as TRUE would be converted to 1, and "1_0" to 10.
+
+    Parameters
+    ----------
+    frame : DataFrame whose columns have the types that pandas found
+
+    Returns
+    -------
+    (n, columns) array, or None
+    """
+    if any(dtype.kind not in "iuf" for dtype in frame.dtypes):
         return None
+    return np.asarray(frame.to_numpy(dtype=float))
 
 
 def _exact(version: str) -> dict[str, Any]:
@@ -553,7 +547,7 @@ def _check_cells(layout: Layout, columns: Sequence[int], source: str) -> None:
         for k in columns:
             if not _is_number(cells[k], layout.decimal):
                 raise InputError(
-                    f"{source}: line {number}, column {quoted(layout.names[k - begin])}: "
+                    f"{source}: line {number}, column {named(layout.names[k - begin])}: "
                     f"'{quoted(cells[k])}' is not a number"
                     + (" with a decimal comma" if layout.decimal == "," else "")
                 )

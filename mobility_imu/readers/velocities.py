@@ -15,6 +15,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, shown
 from mobility_imu.readers.clocks import check_rate
 from mobility_imu.readers.flags import flag_column, with_flags
+from mobility_imu.readers.layout import check_names
 from mobility_imu.readers.streams import (
     FACTORS,
     LARGEST_RATE_DIFFERENCE,
@@ -24,7 +25,7 @@ from mobility_imu.readers.streams import (
     times_of_rows,
 )
 from mobility_imu.readers.table import NumberTable, line_of, read_text
-from mobility_imu.readers.wording import listed, quoted
+from mobility_imu.readers.wording import listed, named, quoted
 from mobility_imu.results import Result
 
 QUANTITIES = {"linear": "speed", "angular": "gyr"}
@@ -87,10 +88,10 @@ def read_velocities(
     The columns are found by ``lin`` and by ``ang`` or ``yaw`` in their names, so that headers in
     French, English and Spanish serve alike, and a time column by ``time``, ``temps``, ``tiempo``.
     Columns with ``sd`` or ``std`` as a word in their names hold standard deviations: where one is
-    infinite, empty or below 0, or a column ``valid`` is 0 or a word such as FALSE, the velocities
-    are not valid. The names state the units, as ``(m/s)``, ``[deg/s]`` or ``_radps``; a unit that
-    is not stated is asked for. A time column is in s unless its name states another unit; of
-    several the first is taken, with a warning if one that states no unit counts other times.
+    infinite, empty or below 0, or a column ``valid`` is 0, a word such as FALSE or empty, the
+    velocities are not valid. The names state the units, as ``(m/s)``, ``[deg/s]`` or ``_radps``; a
+    unit that is not stated is asked for. A time column is in s unless its name states another unit;
+    of several the first is taken, with a warning if one that states no unit counts other times.
 
     Parameters
     ----------
@@ -111,6 +112,7 @@ def read_velocities(
     """
     source = str(path)
     table = with_flags(read_text(path), source=source, wanted=_is_read, flags=_is_flag)
+    check_names([name for name in table.every if _is_read(name) or _is_flag(name)], source)
     header, values = table.header, table.numbers
     linear = _column(table, LINEAR, "linear velocity ('lin')")
     angular = _column(table, ANGULAR, "angular velocity ('ang' or 'yaw')")
@@ -208,7 +210,7 @@ def _clock_unit(name: str, source: str) -> float:
     multiple = re.search(rf"\d({'|'.join(TIME_UNITS)})(?![^\W_])", name.lower())  # "time_10ms"
     if len(set(stated)) > 1 or ((bracketed or multiple) and not stated):
         raise InputError(
-            f"{source}: column {quoted(name)}: expected one unit of time "
+            f"{source}: column {named(name)}: expected one unit of time "
             f"({', '.join(TIME_UNITS)}); rename it"
         )
     return TIME_UNITS[stated[0]] if stated else 1.0
@@ -233,8 +235,8 @@ def _compare_clocks(table: NumberTable, clock: list[int]) -> None:
         if any(abs(other * unit - span) <= allowed for unit in units):
             continue
         said = (
-            f"{table.source}: column {quoted(first)} counts {span:.5g} s from the first row to the "
-            f"last, but {quoted(name)} counts {other * units[0]:.5g} s"
+            f"{table.source}: column {named(first)} counts {span:.5g} s from the first row to the "
+            f"last, but {named(name)} counts {other * units[0]:.5g} s"
         )
         if stated:
             raise InputError(f"{said}; remove or rename the wrong one")
@@ -283,21 +285,21 @@ def _unit(name: str, velocity: str, given: str | None, source: str) -> str:
     found = list(dict.fromkeys(u for text in stated if (u := known_unit(quantity, text))))
     known = ", ".join(FACTORS[quantity])
     if len(found) > 1:
-        raise InputError(f"{source}: column {quoted(name)} states two units, {listed(found)}")
+        raise InputError(f"{source}: column {named(name)} states two units, {listed(found)}")
     if stated and not found:
         raise InputError(
-            f"{source}: column {quoted(name)} states '{quoted(stated[0])}', no unit that is known "
+            f"{source}: column {named(name)} states '{quoted(stated[0])}', no unit that is known "
             f"for the {velocity} velocity ({known}); convert or rename it, for --units does not "
             "replace what a name states"
         )
     if found and given not in (None, found[0]):
         raise InputError(
-            f"{source}: column {quoted(name)} is in {found[0]}, but --units says {given}"
+            f"{source}: column {named(name)} is in {found[0]}, but --units says {given}"
         )
     unit = found[0] if found else given
     if unit is None:
         raise InputError(
-            f"{source}: column {quoted(name)} states no unit that is known ({known}); write it "
+            f"{source}: column {named(name)} states no unit that is known ({known}); write it "
             "into the name, or give both with --units 'm/s, deg/s' (units in Python)"
         )
     return unit
@@ -312,7 +314,7 @@ def _in_si(table: NumberTable, place: int, velocity: str, given: str | None) -> 
     if beyond.any():
         row = int(np.argmax(beyond))
         most = LARGEST[velocity] / per
-        line, name = line_of(table.text, row), quoted(table.header[place])
+        line, name = line_of(table.text, row), named(table.header[place])
         raise InputError(
             f"{table.source}: line {line}, column {name}: "
             f"{table.numbers[row, place]:g} {unit}, more than any chair does ({most:.4g} {unit}; "

@@ -55,6 +55,25 @@ def quoted(text: str, longest: int = LONGEST_QUOTE) -> str:
     return short if len(text) <= longest and len(short) <= longest else f"{short[:longest]}..."
 
 
+def named(name: str) -> str:
+    """Name as a message shows it; in quotation marks where it begins or ends with a blank.
+
+    Parameters
+    ----------
+    name : of a column, a key or a section, as the file has it
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(named("time_s"), named(""), named("a "))
+    time_s '' 'a '
+    """
+    return quoted(name) if name and name == name.strip() else f"'{quoted(name)}'"
+
+
 def listed(names: Iterable[str], most: int = MOST_NAMES) -> str:
     """Names joined by commas; what is beyond the first ones is counted.
 
@@ -73,5 +92,5 @@ def listed(names: Iterable[str], most: int = MOST_NAMES) -> str:
     'a, b, c and 2 more'
     """
     every = list(names)
-    text = ", ".join(quoted(name) for name in every[:most])
+    text = ", ".join(named(name) for name in every[:most])
     return text if len(every) <= most else f"{text} and {len(every) - most} more"

@@ -564,7 +564,7 @@ def parked_poses(
         )
         raise InputError(
             f"{parked.source}: {len(stills)} still intervals ({times or 'none'}), expected "
-            f"{len(settings)}, one per pose{_says_exchanged(parked, len(settings))}"
+            f"{len(settings)}, one per pose{_says_why(parked, len(settings))}"
         )
     lever, body = parked.sensor("lever").acc_mps2, parked.sensor("body").acc_mps2
     return [
@@ -573,8 +573,10 @@ def parked_poses(
     ]
 
 
-def _says_exchanged(parked: Recording, poses: int) -> str:
-    """That the body's sensor rests as often as the lever's should, if it does."""
+def _says_why(parked: Recording, poses: int) -> str:
+    """That the poses are too few, or the body's sensor rests as often as the lever's should."""
+    if poses == 1:  # the body of a parked scooter rests once
+        return "; three poses or more are needed"
     if parked.sensor("body").gyr_radps is None or len(_rests_of(parked, "body")) != poses:
         return ""
     return "; the body's sensor has that many: have lever and body each other's names?"

@@ -229,11 +229,12 @@ def read_named_settings(path: str | Path) -> NamedSettings:
     InputError
         As for :func:`read_settings`.
     """
-    numbers = {
-        key: 0.0 if value is None else value for key, value in read_json_numbers(path).items()
-    }
+    found = read_json_numbers(path)
+    numbers = {key: 0.0 if value is None else value for key, value in found.items()}
     rate = numbers.pop("freqAcq", None)
     if rate is not None:
+        if found["freqAcq"] is None:
+            raise InputError(f"{path}: freqAcq = null, expected the sampling rate in Hz")
         check_rate(rate, f"{path}: freqAcq")
     ours = tuple(TaskSettings.__dataclass_fields__)
     unknown = [key for key in numbers if key not in _TOOL_KEYS and key not in ours]
@@ -255,4 +256,7 @@ def read_named_settings(path: str | Path) -> NamedSettings:
     try:
         return NamedSettings(TaskSettings(**values), rate, keys)
     except InputError as error:
-        raise InputError(f"{path}: {_with_keys(str(error), keys)}") from None
+        text = _with_keys(str(error), keys)
+        for key in (key for key, value in found.items() if value is None):
+            text = text.replace(f"{key} = 0.0", f"{key} = null, which is read as 0")
+        raise InputError(f"{path}: {text}") from None

@@ -122,3 +122,9 @@ COMMANDS = {
     ),
 }
 NAMES = {"-o": "out.csv", "--events": "e.csv", "--steps": "s.csv", "--figure": "f.svg"}
+MOUNTS = ("scooter calibrate", "walker calibrate")
+
+
+def name_of(command, option):
+    """Name of an output of a command that ends as that kind of file does."""
+    return "out.toml" if command in MOUNTS and option == "-o" else NAMES[option]

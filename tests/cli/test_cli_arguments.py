@@ -5,7 +5,7 @@ import os
 import numpy as np
 import pytest
 import typer
-from command_lines import COMMANDS, NAMES, contents
+from command_lines import COMMANDS, contents, name_of
 
 from mobility_imu.cli.main import _paired_flags, app
 
@@ -69,7 +69,7 @@ def test_odd_values_end_in_an_answer_or_one_line(seed, room, run):
     value = values[rng.integers(len(values))]
     line = [*name.split(), *LINES[name]]
     if "check" not in name:
-        line += ["-o", NAMES["-o"]]
+        line += ["-o", name_of(name, "-o")]
     if option is None:
         line[2] = value
     elif option in line:
@@ -112,7 +112,7 @@ def test_odd_values_end_in_an_answer_or_one_line(seed, room, run):
 )
 def test_options_without_effect_are_told(line, names, room, works):
     command = " ".join(line[:2])
-    error = works(*line[:2], *LINES[command], *line[2:], "-o", "out.csv").stderr
+    error = works(*line[:2], *LINES[command], *line[2:], "-o", name_of(command, "-o")).stderr
     assert error.count("has no effect") == len(names)
     for name in names:
         assert f"warning: {name}" in error

@@ -10,7 +10,7 @@ from types import UnionType
 from typing import get_args, get_origin, get_type_hints
 
 import pytest
-from command_lines import COMMANDS, NAMES
+from command_lines import COMMANDS, MOUNTS, NAMES, name_of
 
 from mobility_imu import files
 from mobility_imu.cli.main import app
@@ -21,7 +21,7 @@ from mobility_imu.files import Outputs
 def command_line(command, **outputs):
     """Command line with all its outputs, some of them under another name."""
     arguments, _, options = COMMANDS[command]
-    named = {option: outputs.get(option.strip("-"), NAMES[option]) for option in options}
+    named = {option: outputs.get(option.strip("-"), name_of(command, option)) for option in options}
     return [*command.split(), *arguments, *(part for pair in named.items() for part in pair)]
 
 
@@ -420,3 +420,30 @@ def test_a_file_system_that_cannot_be_told_to_write_down(room, works, monkeypatc
     break_at(monkeypatch, "fsync", 1, OSError(22, "Invalid argument"))
     works(*command_line("scooter angles"))
     assert (room / "out.csv").exists()
+
+
+# Names that promise another kind of file.
+
+TABLES = [pair for pair in OPTIONS if pair[1] != "--figure" and pair[0] not in MOUNTS]
+
+
+@pytest.mark.parametrize(
+    "name", ["k.json", "k.TOML", "k.png", "k.svg", "k.pdf", "k.html", "k.tsv", "k.json.gz", "k.7z"]
+)
+@pytest.mark.parametrize(("command", "option"), TABLES)
+def test_no_table_under_another_kinds_name(room, fails, command, option, name):
+    says = [f"{name}: is to be a table in CSV", "ends in .csv or .csv.gz"]
+    fails(*command_line(command, **{option.strip("-"): name}), says=says)
+
+
+@pytest.mark.parametrize("name", ["m.csv", "m.xlsx", "m.json", "m.Csv.gz", "m.toml.gz", "m.png"])
+@pytest.mark.parametrize("command", MOUNTS)
+def test_no_mount_under_another_kinds_name(room, fails, command, name):
+    says = [f"{name}: is to be a mount in TOML", "ends in .toml"]
+    fails(*command_line(command, o=name), says=says)
+
+
+@pytest.mark.parametrize("name", ["k", "k.txt", "k.dat", "k.out", "json", ".json", "k.run1", "k.5"])
+def test_a_name_that_promises_nothing_is_taken(room, works, name):
+    works(*command_line("scooter angles", o=name))
+    assert (room / name).read_text().startswith("time_s")

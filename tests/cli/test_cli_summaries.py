@@ -4,7 +4,16 @@ import shlex
 
 import pandas as pd
 import pytest
-from command_lines import COMMANDS, CORRIDOR, COURT, NAMES, angles, calibrate, trajectory, velocity
+from command_lines import (
+    COMMANDS,
+    CORRIDOR,
+    COURT,
+    angles,
+    calibrate,
+    name_of,
+    trajectory,
+    velocity,
+)
 
 from mobility_imu.cli.messages import MOST_LINES, summarize
 
@@ -30,12 +39,12 @@ NEED_POSES = ("scooter calibrate", "scooter check")
 @pytest.mark.parametrize("command", [c for c in COMMANDS if c not in NEED_POSES])
 def test_every_command_says_what_it_read_and_wrote(room, works, command):
     arguments, inputs, options = COMMANDS[command]
-    outputs = [part for option in options for part in (option, NAMES[option])]
+    outputs = [part for option in options for part in (option, name_of(command, option))]
     result = works(*command.split(), *arguments, *outputs)
     lines = lines_of(result)
     assert result.stdout == "" and 3 <= len(lines) <= MOST_LINES
     assert lines[0].startswith(f"read: {inputs[0]}: ")
-    assert lines[-1] == "written: " + ", ".join(NAMES[option] for option in options)
+    assert lines[-1] == "written: " + ", ".join(name_of(command, option) for option in options)
     quiet = works(*command.split(), *arguments, *outputs, "--quiet")
     assert lines_of(quiet) == [] and quiet.stdout == ""
     warned = set(result.stderr.splitlines()) - set(lines)

@@ -121,7 +121,7 @@ def test_rests_that_are_known(tmp_path, short, works, fails):
     thin = pd.read_csv(tmp_path / "path.csv")
     assert np.hypot(*(thin[["x_m", "y_m"]] - first[["x_m", "y_m"]]).to_numpy().T).max() < 0.02
     for change, says in (
-        ({"stationary": 2}, ["r.csv", "stationary is 2 in row 1", "0 or 1"]),
+        ({"stationary": 2}, ["r.csv: line 2, column stationary", "got '2'", "1 or 0"]),
         ({"stationary": 0}, ["r.csv", "0 throughout"]),
         ({"time_s": 1.0}, ["r.csv", "time_s does not increase"]),
         ({"time_s": first["time_s"] + 100}, ["r.csv", "from 100 to", "on its clock"]),

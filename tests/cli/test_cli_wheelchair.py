@@ -220,7 +220,7 @@ def test_tool_settings_file(with_settings, works, fails):
     ("content", "says"),
     [
         ('{"freqAcq": 0}', "freqAcq: sampling rate of 0"),
-        ('{"freqAcq": null}', "freqAcq: sampling rate of 0"),
+        ('{"freqAcq": null}', "freqAcq = null, expected the sampling rate"),
         ('{"freqAcq": NaN}', "freqAcq = nan, expected a number"),
         ('{"freqAcq": -100}', "freqAcq: sampling rate of -100"),
         ('{"freqAcq": "100"}', "freqAcq = '100', expected a number"),

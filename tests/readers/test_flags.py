@@ -64,6 +64,58 @@ def test_a_word_that_says_neither_is_named_with_its_line(tmp_path, word):
         read_rests(tmp_path / "r.csv", TIME_S)
 
 
+@pytest.mark.parametrize("words", [False, True], ids=["numbers", "words"])
+@pytest.mark.parametrize("number", ["0.5", "2", "-1", "inf", "-inf", "1e-9", "1_0", "\u0661"])
+def test_a_number_that_says_neither_is_named_with_its_line(tmp_path, number, words):
+    flags = np.where(GOOD, "yes" if words else "1", number)
+    path = velocities(tmp_path / "v.csv", flags)
+    shown = number if words or number in ("1_0", "\u0661") else f"{float(number):g}"
+    says = rf"line 202, column {{}}: got '{shown}', expected 1 or 0, TRUE or FALSE"
+    with pytest.raises(InputError, match=says.format("valid")):
+        read_velocities(path)
+    pd.DataFrame({"time_s": TIME_S, "stationary": flags}).to_csv(tmp_path / "r.csv", index=False)
+    with pytest.raises(InputError, match=says.format("stationary")):
+        read_rests(tmp_path / "r.csv", TIME_S)
+
+
+def test_where_a_rest_is_not_told(tmp_path):
+    flags = np.where(GOOD, 1.0, np.nan)
+    pd.DataFrame({"time_s": TIME_S, "stationary": flags}).to_csv(tmp_path / "r.csv", index=False)
+    with pytest.raises(InputError, match="line 202, column stationary: is empty, expected 1 or 0"):
+        read_rests(tmp_path / "r.csv", TIME_S)
+
+
+@pytest.mark.parametrize(
+    ("time", "says"),
+    [
+        ("", "line 12, column time_s: expected a number, got nothing, NaN or infinity"),
+        ("-inf", "line 12, column time_s: expected a number, got nothing, NaN or infinity"),
+        ("0.05", "line 12: time_s does not increase from the row before"),
+        ("0.09", "line 12: time_s does not increase from the row before"),
+    ],
+)
+def test_times_of_rests_are_named_with_their_line(tmp_path, time, says):
+    times = [str(t) for t in TIME_S]
+    times[10] = time
+    pd.DataFrame({"time_s": times, "stationary": 1}).to_csv(tmp_path / "r.csv", index=False)
+    with pytest.raises(InputError, match=rf"r\.csv: {says}"):
+        read_rests(tmp_path / "r.csv", TIME_S)
+
+
+@pytest.mark.parametrize("word", ["1", "TRUE"])
+@pytest.mark.parametrize(
+    "name", ["time_s", "Time_S", "linear_velocity_mps", "yaw_rate_degps", "linear_sd", "valid"]
+)
+def test_a_column_of_velocities_that_stands_twice(tmp_path, name, word):
+    velocities(tmp_path / "v.csv", word, linear_sd=0.1)
+    head, *rows = (tmp_path / "v.csv").read_text().splitlines()
+    place = head.split(",").index(name.lower())
+    rows = [f"{row},{row.split(',')[place]}" for row in rows]
+    (tmp_path / "v.csv").write_text("\n".join([f"{head},{name}", *rows]))
+    with pytest.raises(InputError, match=f"column {name.lower()} stands twice"):
+        read_velocities(tmp_path / "v.csv")
+
+
 def test_rests_without_their_column_or_with_two(tmp_path):
     table = pd.DataFrame({"time_s": TIME_S, "note": "by eye"})
     table.to_csv(tmp_path / "r.csv", index=False)

@@ -272,6 +272,7 @@ class TestOptitrack:
             ("a,b\n1,2\n", "chair", "no table export of OptiTrack"),
             (self.text(frames[::-1]), "chair", "do not increase"),
             (self.text([(0, "a,0,0,1,1,2,3,0.1")]), "chair", "cannot be read as a table"),
+            (self.text([(0, "TRUE,0,0,1,1,2,3,0.1")] * 2), "chair", "cannot be read as a table"),
         ):
             with pytest.raises(InputError, match=says):
                 parse_optitrack(text, body, "a.csv")

@@ -54,7 +54,7 @@ def test_settings_file_with_the_tools_keys_and_nulls(tmp_path):
         ('{"seuilVitLinAbs": "fast"}', "seuilVitLinAbs = 'fast', expected a number"),
         ('{"seuilVitLinAbs": [1]}', "expected a number"),
         ('{"seuilVitLinAbs": -1}', r": seuilVitLinAbs = -1\.0: expected"),
-        ('{"inptSegmentsec": null}', ": inptSegmentsec = 0"),
+        ('{"inptSegmentsec": null}', ": inptSegmentsec = null, which is read as 0"),
         ('{"seuilRayonMin": 2}', "seuilRayonMin = 2.0 is larger than seuilRayonMax = 0.5"),
         ('{"seuilVitAngAbs": -40}', ": seuilVitAngAbs = -40"),
         ('{"newSeuilVitAngAbs": -1}', ": newSeuilVitAngAbs = -1"),
@@ -103,7 +103,7 @@ def test_segment_of_a_broken_number_of_frames_is_rounded_with_a_warning():
     ("text", "message"),
     [
         ('{"freqAcq": 0}', "freqAcq: sampling rate of 0"),
-        ('{"freqAcq": null}', "freqAcq: sampling rate of 0"),
+        ('{"freqAcq": null}', "freqAcq = null, expected the sampling rate"),
         ('{"freqAcq": NaN}', "freqAcq = nan, expected a number"),
         ('{"freqAcq": 1e9}', "freqAcq: sampling rate"),
         ('{"freqAcq": "100"}', "freqAcq = '100', expected a number"),
