@@ -27,7 +27,7 @@ LAYERS = (
     {"runs", "results", "executors"},
     {"rotations", "filters", "recording"},
     {"hinges", "quality", "readers", "arguments"},
-    {"offsets"},
+    {"offsets", "doors"},
     {"datasets", "faults"},
     {"health"},
     set(DEVICES),

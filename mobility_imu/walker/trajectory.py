@@ -16,6 +16,7 @@ from mobility_imu.arguments import (
     for_each,
     settings_or_default,
 )
+from mobility_imu.doors import check_executor, check_fields
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.recording import Recording
@@ -99,6 +100,7 @@ class Trajectory(Result):
         check_columns(self, "time_s", "yaw_sd_rad", flags=("stationary",))
         for name, each in SHAPES.items():
             check_shape(self, name, (len(self.time_s), *each))
+        check_fields(self)
         super().__post_init__()
 
     def __len__(self) -> int:
@@ -266,6 +268,7 @@ def estimate_trajectory(
     expect("mount", mount, WalkerMount)
     if not (rests is None or isinstance(recording, Recording)):
         raise InputError("rests belong to one recording: call this for each, expected no list")
+    check_executor(executor)
     return for_each(
         _estimate_one,
         recording,
