@@ -24,7 +24,7 @@ DEVICES = ("scooter", "wheelchair", "walker")
 LAYERS = (
     {"errors"},
     {"frames", "data", "_compiled", "files"},
-    {"runs", "results", "executors"},
+    {"runs", "results", "executors", "names"},
     {"rotations", "filters", "recording"},
     {"hinges", "quality", "readers", "arguments"},
     {"offsets", "doors"},

@@ -7,10 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_series
-from mobility_imu.offsets import GyroscopeOffset
+from mobility_imu.offsets import GyroscopeOffset, check_offsets
 
 __all__ = ["alike", "as_motion", "as_offsets"]
 
@@ -95,7 +94,5 @@ def as_offsets(offsets: Mapping[str, GyroscopeOffset] | None) -> dict[str, Gyros
         If it is no mapping, or a value is no GyroscopeOffset.
     """
     given = {} if offsets is None else offsets
-    expect("offsets", given, Mapping)
-    for name, offset in given.items():
-        expect(f"offsets[{name!r}]", offset, GyroscopeOffset)
+    check_offsets("offsets", given)
     return dict(given)

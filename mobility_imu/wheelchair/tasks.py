@@ -256,7 +256,8 @@ def window_means(values: ArrayLike, length: int) -> FloatArray:
         raise InputError(f"values: expected one time series, got an array of shape {x.shape}")
     total = np.zeros(len(x))
     # Added in the order of the frames: a cumulative sum would lose precision after one huge radius.
-    for k in range(min(length, len(x))):
+    length = min(length, len(x))
+    for k in range(length):
         total[: len(x) - k] += x[k:]
     return total / np.minimum(length, np.arange(len(x), 0, -1))
 
