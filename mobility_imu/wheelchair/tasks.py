@@ -256,10 +256,9 @@ def window_means(values: ArrayLike, length: int) -> FloatArray:
         raise InputError(f"values: expected one time series, got an array of shape {x.shape}")
     total = np.zeros(len(x))
     # Added in the order of the frames: a cumulative sum would lose precision after one huge radius.
-    length = min(length, len(x))
-    for k in range(length):
+    for k in range(min(length, len(x))):
         total[: len(x) - k] += x[k:]
-    return total / np.minimum(length, np.arange(len(x), 0, -1))
+    return total / np.minimum(min(length, len(x)), np.arange(len(x), 0, -1))
 
 
 def identify_tasks(
