@@ -134,7 +134,7 @@ def as_faults(faults: Iterable[Fault]) -> tuple[Fault, ...]:
         found = tuple(faults)
     except TypeError:  # an array of no dimension is iterable by its class only
         raise InputError(
-            f"faults: got {shown(faults)}, expected those that find_faults gives"
+            f"faults: got {type(faults).__name__}, expected those that find_faults gives"
         ) from None
     for number, fault in enumerate(found):
         expect(f"faults[{number}]", fault, Fault)
