@@ -260,6 +260,9 @@ def mount_from_poses(
     expect("geometry", geometry, ScooterGeometry)
     pose_sd = _as_sd(pose_sd_rad, "pose_sd_rad")
     prior_sd = _as_sd(prior_sd_rad, "prior_sd_rad")
+    expect("poses", poses, Sequence)
+    for number, pose in enumerate(poses):
+        expect(f"pose {number}", pose, ParkedPose)
     _check_settings(poses)
     lever = _directions([p.lever_acc_mps2 for p in poses], "lever_acc_mps2")
     body = _directions([p.body_acc_mps2 for p in poses], "body_acc_mps2")

@@ -96,7 +96,7 @@ def within_a_turn(angles_rad: FloatArray | float, name: str) -> None:
     InputError
         If one is larger.
     """
-    largest = float(np.abs(angles_rad).max(initial=0.0))
+    largest = float(np.abs(as_floats(angles_rad, name)).max(initial=0.0))
     if largest > 2 * np.pi:
         raise InputError(
             f"{name}: an angle is {largest:g}, more than a whole turn; expected rad (is it in deg?)"
