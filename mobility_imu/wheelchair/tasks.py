@@ -579,7 +579,7 @@ def reduce_variability(codes: Codes, segment: int) -> Codes:
     -------
     (n,) array of task codes
     """
-    codes, segment = as_codes(codes), as_count(segment, "segment")
+    codes, segment = as_codes(codes), as_count(segment, "segment", least=0)
     while True:
         starts = changes_of(codes)
         if len(starts) < 3:
