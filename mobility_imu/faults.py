@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import expect
-from mobility_imu.doors import check_fields
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_flags, as_floats, as_number, one_of, shown
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.results import Result

@@ -11,8 +11,8 @@ import pytest
 from mobility_imu import datasets, faults, health, offsets, quality, runs, scooter, walker
 from mobility_imu import wheelchair as chair
 from mobility_imu.datasets.series import longest_run, low_pass
-from mobility_imu.doors import check_executor
 from mobility_imu.errors import InputError
+from mobility_imu.executors import check_executor
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.scooter.geometry import body_specific_force, lever_acceleration

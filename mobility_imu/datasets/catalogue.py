@@ -7,7 +7,7 @@ from typing import Literal, get_args
 
 from mobility_imu import data
 from mobility_imu.arguments import expect
-from mobility_imu.doors import check_fields
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import one_of
 
 Name = Literal[

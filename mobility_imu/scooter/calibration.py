@@ -18,8 +18,8 @@ from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.arguments import expect
-from mobility_imu.doors import check_fields
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.files import write_text
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray, as_number, as_vectors, wrap_angle

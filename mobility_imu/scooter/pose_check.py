@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 
 from mobility_imu.arguments import check_columns, expect, settings_or_default
-from mobility_imu.doors import check_fields
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
     FloatArray,

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from mobility_imu.arguments import check_columns, expect, for_each, settings_or_default
-from mobility_imu.doors import check_executor
 from mobility_imu.errors import InputError
 from mobility_imu.filters import median_filter
 from mobility_imu.frames import (
@@ -286,7 +285,6 @@ def estimate_ride(
     expect("geometry", geometry, ScooterGeometry)
     expect("mount", mount, ScooterMount, none=True)
     settings = settings_or_default("settings", settings, RideSettings)
-    check_executor(executor)
     return for_each(
         _estimate, recording, executor, geometry=geometry, mount=mount, settings=settings
     )

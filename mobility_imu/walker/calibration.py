@@ -16,8 +16,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.arguments import expect, settings_or_default
-from mobility_imu.doors import check_fields
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result

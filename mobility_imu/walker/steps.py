@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.arguments import check_columns, check_shape, expect, settings_or_default
-from mobility_imu.doors import check_fields
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, check_positive
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect
-from mobility_imu.doors import check_fields
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, one_of, shown
 from mobility_imu.runs import runs_of
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection

@@ -16,8 +16,8 @@ from mobility_imu.arguments import (
     for_each,
     settings_or_default,
 )
-from mobility_imu.doors import check_executor, check_fields
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
@@ -268,7 +268,6 @@ def estimate_trajectory(
     expect("mount", mount, WalkerMount)
     if not (rests is None or isinstance(recording, Recording)):
         raise InputError("rests belong to one recording: call this for each, expected no list")
-    check_executor(executor)
     return for_each(
         _estimate_one,
         recording,

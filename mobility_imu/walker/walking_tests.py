@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect
-from mobility_imu.doors import check_fields
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_count, as_number, one_of
 from mobility_imu.results import Result
 from mobility_imu.walker.steps import GaitSettings, Steps, Turns, find_turns

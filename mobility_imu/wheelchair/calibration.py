@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 from scipy import ndimage
 
 from mobility_imu.arguments import expect
-from mobility_imu.doors import check_fields
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.offsets import (
     GyroscopeOffset,

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from mobility_imu.arguments import expect
-from mobility_imu.doors import check_fields
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault
+from mobility_imu.fields import check_fields
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray, as_number
 from mobility_imu.offsets import (

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import check_columns, check_limits, expect, settings_or_default
-from mobility_imu.doors import check_fields
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_clock, as_flags, as_number, check_positive
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of

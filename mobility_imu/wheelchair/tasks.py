@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import check_columns, expect, settings_or_default
-from mobility_imu.doors import check_fields
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import (
     FloatArray,
     as_clock,

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import check_columns, expect, for_each, settings_or_default
-from mobility_imu.doors import check_executor, check_fields
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_floats, as_number, as_series, as_vectors, one_of
 from mobility_imu.offsets import (
     GyroscopeOffset,
@@ -427,7 +427,6 @@ def estimate_velocity(
     expect("mount", mount, WheelchairMount)
     settings = settings_or_default("settings", settings, VelocitySettings)
     offsets = as_offsets(offsets)
-    check_executor(executor)
     return for_each(
         _one_recording,
         recording,

@@ -1,4 +1,4 @@
-"""Checks that the doors of all devices share: fields of results, and executors."""
+"""Check of the fields of results, which a script may make itself."""
 
 from __future__ import annotations
 
@@ -10,34 +10,7 @@ from mobility_imu.arguments import check_shape, expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import as_count, as_flags, as_floats, as_series, one_of, shown
 
-__all__ = ["check_executor", "check_fields"]
-
-
-def check_executor(executor: Any) -> None:
-    """Check that an executor is one, not the class of some.
-
-    Parameters
-    ----------
-    executor : what a door was given; anything but a class is left to
-        :func:`~mobility_imu.arguments.for_each`
-
-    Raises
-    ------
-    InputError
-        If it is a class, whose ``submit`` belongs to no pool.
-
-    Examples
-    --------
-    >>> check_executor(dict)
-    Traceback (most recent call last):
-    mobility_imu.errors.InputError: executor = <class 'dict'>: expected an object with submit, \
-such as ProcessPoolExecutor(), or None
-    """
-    if isinstance(executor, type):
-        raise InputError(
-            f"executor = {shown(executor)}: expected an object with submit, such as "
-            "ProcessPoolExecutor(), or None"
-        )
+__all__ = ["check_fields"]
 
 
 def check_fields(result: Any, **kinds: Any) -> None:
