@@ -14,11 +14,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_floats, one_of
+from mobility_imu.fields import check_fields
+from mobility_imu.frames import FloatArray, as_flags, as_floats, as_number, one_of, shown
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.results import Result
-from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.runs import long_runs, runs_of, some_flags
 
 HALVES = ("acc", "gyr")
 """Halves of a sensor: accelerometer and gyroscope."""
@@ -83,6 +85,17 @@ class Fault(Result):
     costs: tuple[Cost, ...] = ()
     changes: bool = False
 
+    def __post_init__(self) -> None:
+        """Check every field."""
+        check_fields(
+            self, code=str, sensor=str, first_s=float, sentence=str, size=float, unit=str,
+            costs=[Cost], changes=bool,
+        )  # fmt: skip
+        object.__setattr__(self, "flags", some_flags(self.flags, "Fault.flags"))
+        if not (self.repair is None or callable(self.repair)):
+            raise InputError(f"Fault.repair: got {shown(self.repair)}, expected a function or None")
+        super().__post_init__()
+
     @property
     def samples(self) -> int:
         """Number of samples that it touches."""
@@ -97,6 +110,35 @@ class Fault(Result):
         *others, last = known
         moved = f"{', '.join(others)} and {last}" if others else last
         return f"{self.sentence}; it moves {moved}"
+
+
+def as_faults(faults: Iterable[Fault]) -> tuple[Fault, ...]:
+    """Check that faults are some.
+
+    Parameters
+    ----------
+    faults : Fault, in any collection
+
+    Returns
+    -------
+    tuple of Fault
+
+    Raises
+    ------
+    InputError
+        If they are something else.
+    """
+    try:
+        if isinstance(faults, str | bytes | Mapping) or not isinstance(faults, Iterable):
+            raise TypeError
+        found = tuple(faults)
+    except TypeError:  # an array of no dimension is iterable by its class only
+        raise InputError(
+            f"faults: got {type(faults).__name__}, expected those that find_faults gives"
+        ) from None
+    for number, fault in enumerate(found):
+        expect(f"faults[{number}]", fault, Fault)
+    return found
 
 
 Estimate = Callable[[Recording], Mapping[tuple[str, str], FloatArray]]
@@ -122,7 +164,9 @@ def with_costs(
     tuple of Fault; those that cannot be undone, whose estimate is refused or knows nothing, and
     those beyond the first :data:`MOST_PRICED` that can be undone are as they were
     """
-    faults = tuple(faults)
+    faults = as_faults(faults)
+    expect("recording", recording, Recording)
+    expect("estimate", estimate, Callable)  # type: ignore[arg-type]
     fixable = [k for k, fault in enumerate(faults) if fault.repair is not None][:MOST_PRICED]
     if not fixable:
         return faults
@@ -149,6 +193,7 @@ def one_sided(fault: Fault) -> bool:
     -------
     bool
     """
+    expect("fault", fault, Fault)
     return fault.code == "frozen" and reaches_an_end(fault.flags)
 
 
@@ -163,7 +208,8 @@ def reaches_an_end(flags: NDArray[np.bool_]) -> bool:
     -------
     bool
     """
-    return bool(flags[0] or flags[-1])
+    lost = some_flags(flags)
+    return bool(len(lost) and (lost[0] or lost[-1]))
 
 
 def _priced(
@@ -196,7 +242,10 @@ def largest_change(first: ArrayLike, second: ArrayLike) -> float:
     -------
     float
     """
-    apart = np.abs(as_floats(first, "first") - as_floats(second, "second"))
+    one, other = as_floats(first, "first"), as_floats(second, "second")
+    if one.shape != other.shape:
+        raise InputError(f"second: expected shape {one.shape} like first, got {other.shape}")
+    apart = np.abs(one - other)
     return float(np.nanmax(apart)) if np.isfinite(apart).any() else float("nan")
 
 
@@ -212,7 +261,8 @@ def all_repaired(faults: Iterable[Fault], recording: Recording) -> Recording:
     -------
     Recording
     """
-    repairs = [fault.repair for fault in faults if fault.repair is not None]
+    expect("recording", recording, Recording)
+    repairs = [fault.repair for fault in as_faults(faults) if fault.repair is not None]
     return reduce(lambda mended, repair: repair(mended), repairs, recording)
 
 
@@ -228,7 +278,8 @@ def repaired_where_possible(faults: Iterable[Fault], recording: Recording) -> Re
     -------
     Recording
     """
-    for fault in faults:
+    expect("recording", recording, Recording)
+    for fault in as_faults(faults):
         try:
             recording = all_repaired([fault], recording)
         except InputError:
@@ -255,7 +306,7 @@ def with_readings(
     -------
     Recording
     """
-    imu = recording.sensor(sensor)
+    imu = _sensor(recording, sensor)
     new = Imu(
         imu.acc_mps2 if acc_mps2 is None else acc_mps2,
         imu.gyr_radps if gyr_radps is None else gyr_radps,
@@ -295,8 +346,9 @@ def half_of(recording: Recording, sensor: str, half: str) -> FloatArray:
     -------
     (n, 3) array, m/s² or rad/s
     """
+    imu = _sensor(recording, sensor)
     if one_of("half", half, HALVES) == "acc":
-        return recording.sensor(sensor).acc_mps2
+        return imu.acc_mps2
     return recording.gyroscope(sensor)
 
 
@@ -316,9 +368,11 @@ def interpolated(
     -------
     Recording; as it was if no sample is left to interpolate from
     """
+    values = half_of(recording, sensor, half)
+    time_s = recording.time_s
+    flags = as_flags(flags, "flags", length=len(time_s))
     if flags.all():
         return recording
-    time_s, values = recording.time_s, half_of(recording, sensor, half)
     axes = [np.interp(time_s, time_s[~flags], axis[~flags]) for axis in values.T]
     return with_half(recording, sensor, half, np.column_stack(axes))
 
@@ -341,6 +395,7 @@ def widened(recording: Recording, sensor: str, half: str, flags: NDArray[np.bool
     Recording
     """
     values = half_of(recording, sensor, half)
+    flags = as_flags(flags, "flags", length=len(values))
     curves = np.array(values)
     for k, axis in enumerate(values.T):
         limit = np.abs(axis[flags]).max(initial=0.0)
@@ -374,8 +429,10 @@ def multiplied(recording: Recording, sensor: str, half: str, factors: ArrayLike)
     -------
     Recording
     """
-    values = half_of(recording, sensor, half) * as_floats(factors, "factors")
-    return with_half(recording, sensor, half, values)
+    values, each = half_of(recording, sensor, half), as_floats(factors, "factors")
+    if each.shape not in ((), (3,)):
+        raise InputError(f"factors: expected a number or three, got shape {each.shape}")
+    return with_half(recording, sensor, half, values * each)
 
 
 def shifted(
@@ -394,7 +451,8 @@ def shifted(
     -------
     Recording
     """
-    imu, time_s = recording.sensor(sensor), recording.time_s
+    imu, time_s = _sensor(recording, sensor), recording.time_s
+    lag_s = as_number(lag_s, "lag_s", negative=True)
 
     def moved(values: FloatArray) -> FloatArray:
         return np.column_stack([np.interp(time_s + lag_s, time_s, axis) for axis in values.T])
@@ -422,12 +480,15 @@ def turned_back(recording: Recording, sensor: str, rotation: FloatArray) -> Reco
     -------
     Recording
     """
-    imu = recording.sensor(sensor)
+    imu = _sensor(recording, sensor)
+    turn = as_floats(rotation, "rotation")
+    if turn.shape != (3, 3):
+        raise InputError(f"rotation: expected a 3 x 3 matrix, got shape {turn.shape}")
     return with_readings(
         recording,
         sensor,
-        acc_mps2=imu.acc_mps2 @ rotation.T,
-        gyr_radps=None if imu.gyr_radps is None else imu.gyr_radps @ rotation.T,
+        acc_mps2=imu.acc_mps2 @ turn.T,
+        gyr_radps=None if imu.gyr_radps is None else imu.gyr_radps @ turn.T,
     )
 
 
@@ -444,7 +505,10 @@ def without_offset(recording: Recording, sensor: str, offset_radps: FloatArray) 
     -------
     Recording
     """
-    return with_half(recording, sensor, "gyr", recording.gyroscope(sensor) - offset_radps)
+    rates, offset = half_of(recording, sensor, "gyr"), as_floats(offset_radps, "offset_radps")
+    if offset.shape not in ((3,), rates.shape):
+        raise InputError(f"offset_radps: expected shape (3,) or {rates.shape}, got {offset.shape}")
+    return with_half(recording, sensor, "gyr", rates - offset)
 
 
 def exchanged(recording: Recording, first: str, second: str) -> Recording:
@@ -459,6 +523,14 @@ def exchanged(recording: Recording, first: str, second: str) -> Recording:
     -------
     Recording
     """
+    for name in (first, second):
+        _sensor(recording, name)
     names = {first: second, second: first}
     sensors = {name: recording.sensor(names.get(name, name)) for name in recording.sensors}
     return Recording(recording.time_s, sensors, source=recording.source)
+
+
+def _sensor(recording: Recording, name: str) -> Imu:
+    expect("recording", recording, Recording)
+    expect("sensor", name, str)
+    return recording.sensor(name)

@@ -15,9 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from mobility_imu.arguments import expect
+from mobility_imu.errors import InputError
 from mobility_imu.faults import (
     Fault,
     Repair,
+    as_faults,
     half_of,
     interpolated,
     multiplied,
@@ -25,7 +28,15 @@ from mobility_imu.faults import (
     widened,
     with_half,
 )
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_count,
+    as_flags,
+    as_floats,
+    as_number,
+    as_vectors,
+)
 from mobility_imu.quality import (
     QUIET_SAMPLES,
     SHORTEST_FROZEN_S,
@@ -93,6 +104,7 @@ def examine(recording: Recording) -> tuple[Fault, ...]:
     -------
     tuple of Fault, empty if nothing was found
     """
+    expect("recording", recording, Recording)
     found: list[Fault] = []
     for name, imu in recording.sensors.items():
         own = list(_halves(recording, name, imu))
@@ -192,6 +204,8 @@ def fault_of(
     -------
     Fault
     """
+    expect("recording", recording, Recording)
+    flags = as_flags(flags, "flags", length=len(recording))
     first = float(recording.time_s[int(np.argmax(flags))])
     count = int(flags.sum())
     samples = "1 sample" if count == 1 else f"{count} samples"
@@ -257,10 +271,10 @@ def samples_lost(faults: Iterable[Fault], count: int) -> NDArray[np.bool_]:
     -------
     (n,) bool array
     """
-    lost = np.zeros(count, np.bool_)
-    for fault in faults:
+    lost = np.zeros(as_count(count, "count", least=0), np.bool_)
+    for fault in as_faults(faults):
         if fault.code in ("frozen", "dead axis"):
-            lost |= fault.flags
+            lost |= as_flags(fault.flags, "flags of a fault", length=count)
     return lost
 
 
@@ -312,10 +326,13 @@ def stuck_axes(
     -------
     (n, 3) bool array
     """
+    values = as_vectors(values, "values", ndim=2)
+    skip = as_flags(skip, "skip", length=len(values))
+    rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
     stuck = np.zeros(values.shape, np.bool_)
     if len(values) < SHORTEST_STUCK:
         return stuck
-    shortest = max(SHORTEST_STUCK, round(SHORTEST_FROZEN_S * sampling_rate_hz)) - 1
+    shortest = max(SHORTEST_STUCK, round(SHORTEST_FROZEN_S * rate_hz)) - 1
     change = np.diff(values, axis=0, prepend=values[:1])
     repeats = (change == 0) & ~skip[:, None]
     if not any(long_runs(axis, shortest, grow=False).any() for axis in repeats.T):
@@ -364,6 +381,9 @@ def single_spikes(values: FloatArray, least: float) -> NDArray[np.bool_]:
     -------
     (n,) bool array
     """
+    values, least = as_floats(values, "values"), as_number(least, "least", zero=True)
+    if values.ndim != 2:
+        raise InputError(f"values: expected shape (n, k), got {values.shape}")
     far = np.zeros(len(values), np.bool_)
     if len(values) < 5:
         return far

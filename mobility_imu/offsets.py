@@ -15,13 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.frames import (
-    FloatArray,
-    as_flags,
-    as_number,
-    as_vectors,
-)
+from mobility_imu.frames import FloatArray, as_flags, as_number, as_vectors, shown
+from mobility_imu.names import as_names
 from mobility_imu.quality import LARGEST_OFFSET_RADPS
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.results import Result
@@ -33,6 +30,7 @@ __all__ = [
     "UNKNOWN_OFFSET_SD_RADPS",
     "GyroscopeOffset",
     "RestBlocks",
+    "check_offsets",
     "common_rest",
     "gyroscope_offset",
     "merge_offsets",
@@ -123,7 +121,7 @@ class GyroscopeOffset(Result):
         ----------
         axis : (3,) array, unit vector in the sensor's axes
         """
-        unit = as_vectors(axis, "axis", ndim=1)
+        unit = _readings(axis, "axis", ndim=1)
         return float(np.sqrt(max(float(unit @ self.covariance @ unit), 0.0)))
 
     def noise_along(self, axis: ArrayLike) -> float:
@@ -133,7 +131,7 @@ class GyroscopeOffset(Result):
         ----------
         axis : (3,) array, unit vector in the sensor's axes
         """
-        return float(np.linalg.norm(as_vectors(axis, "axis", ndim=1) * self.noise_radps))
+        return float(np.linalg.norm(_readings(axis, "axis", ndim=1) * self.noise_radps))
 
 
 def rest_flags(
@@ -159,16 +157,9 @@ def rest_flags(
         If the arrays are no series of three real numbers, differ in length, or hold what no
         sensor reads.
     """
-    acc = as_vectors(acc_mps2, "acc_mps2", ndim=2, finite=True)
-    gyr = as_vectors(gyr_radps, "gyr_radps", length=len(acc), finite=True)
+    acc = _readings(acc_mps2, "acc_mps2", ndim=2)
+    gyr = _readings(gyr_radps, "gyr_radps", length=len(acc))
     rate = as_number(sampling_rate_hz, "sampling_rate_hz")
-    for name, values in (("acc_mps2", acc), ("gyr_radps", gyr)):
-        largest = float(np.abs(values).max(initial=0.0))
-        if largest > LARGEST_READING:
-            raise InputError(
-                f"{name}: reaches {largest:.4g}, more than any sensor reads; remove that sample, "
-                "or check the unit"
-            )
     window = max(3, round(WINDOW_S * rate))
     if len(acc) < window:
         return np.zeros(len(acc), np.bool_)
@@ -180,6 +171,18 @@ def rest_flags(
     begun[window : window + len(quiet)] = quiet
     begun = np.cumsum(begun)
     return np.asarray(begun[window:] > begun[:-window])
+
+
+def _readings(values: ArrayLike, name: str, **shape: int) -> FloatArray:
+    """Vectors whose squares can be summed."""
+    vectors = as_vectors(values, name, finite=True, **shape)
+    largest = float(np.abs(vectors).max(initial=0.0))
+    if largest > LARGEST_READING:
+        raise InputError(
+            f"{name}: reaches {largest:.4g}, more than any sensor reads; remove that sample, or "
+            "check the unit"
+        )
+    return vectors
 
 
 def _spread(values: FloatArray, window: int) -> FloatArray:
@@ -227,10 +230,12 @@ def rest_blocks(gyr_radps: ArrayLike, rest: ArrayLike, sampling_rate_hz: float) 
     -------
     RestBlocks, in the order of time
     """
-    gyr = as_vectors(gyr_radps, "gyr_radps", ndim=2, finite=True)
+    gyr = _readings(gyr_radps, "gyr_radps", ndim=2)
     flags = as_flags(rest, "rest", length=len(gyr))
     rate = as_number(sampling_rate_hz, "sampling_rate_hz")
-    block, edge = max(2, round(BLOCK_S * rate)), round(EDGE_S * rate)
+    # No block fits into fewer samples than it has.
+    block, edge = (min(round(s * rate), len(gyr) + 1) for s in (BLOCK_S, EDGE_S))
+    block = max(2, block)
     firsts, means, noise = [np.zeros(0, np.int64)], [np.zeros((0, 3))], [np.zeros((0, 3))]
     for run in runs_of(flags):
         # The recording's own ends are no motion.
@@ -319,10 +324,11 @@ def rest_offsets(
     InputError
         If a sensor is missing or has no gyroscope, or flags have another length.
     """
+    expect("recording", recording, Recording)
     if sensors is None:
-        names = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
-    else:
-        names = list(sensors)
+        sensors = [name for name, imu in recording.sensors.items() if imu.gyr_radps is not None]
+    names = as_names(sensors, "sensors")
+    fails = _as_skip(skip, len(recording))
     rate, none = recording.sampling_rate_hz, np.zeros(len(recording), np.bool_)
     if rest is None:
         still = common_rest(recording, names, skip=skip)
@@ -331,7 +337,7 @@ def rest_offsets(
     found = {
         name: gyroscope_offset(
             recording.gyroscope(name),
-            still & ~np.asarray((skip or {}).get(name, none), np.bool_),
+            still & ~fails.get(name, none),
             rate,
         )
         for name in names
@@ -354,12 +360,10 @@ def common_rest(
     -------
     (n,) bool array
     """
-    rate, count, names = recording.sampling_rate_hz, len(recording), list(sensors)
-    fails = {
-        name: as_flags(flags, f"skip[{name!r}]", length=count)
-        for name, flags in (skip or {}).items()
-        if name in names
-    }
+    expect("recording", recording, Recording)
+    names = as_names(sensors, "sensors")
+    rate, count = recording.sampling_rate_hz, len(recording)
+    fails = _as_skip(skip, count)
     none = np.zeros(count, np.bool_)
     rest, works = ~none, none.copy()
     for name in names:
@@ -367,6 +371,32 @@ def common_rest(
         rest &= still | fails.get(name, none)
         works |= ~fails.get(name, none)
     return long_runs(rest & works, max(1, round(SHORTEST_REST_S * rate)), grow=False)
+
+
+def _as_skip(skip: Mapping[str, ArrayLike] | None, count: int) -> dict[str, NDArray[np.bool_]]:
+    expect("skip", skip, Mapping, none=True)
+    given = {} if skip is None else skip
+    return {
+        name: as_flags(flags, f"skip[{shown(name)}]", length=count) for name, flags in given.items()
+    }
+
+
+def check_offsets(name: str, offsets: Mapping[str, GyroscopeOffset]) -> None:
+    """Check that gyroscopes' offsets come by the names of their sensors.
+
+    Parameters
+    ----------
+    name : of the argument
+    offsets : sensor to GyroscopeOffset
+
+    Raises
+    ------
+    InputError
+        If it is no mapping, or a value is no GyroscopeOffset.
+    """
+    expect(name, offsets, Mapping)
+    for sensor, offset in offsets.items():
+        expect(f"{name}[{shown(sensor)}]", offset, GyroscopeOffset)
 
 
 def merge_offsets(
@@ -387,6 +417,8 @@ def merge_offsets(
     -------
     dict from sensor to GyroscopeOffset
     """
+    check_offsets("own", own)
+    check_offsets("others", others)
     merged = {
         name: replace(other, covariance=other.covariance + DRIFT_SD_RADPS**2 * np.eye(3))
         for name, other in others.items()
@@ -421,6 +453,8 @@ def without_offsets(recording: Recording, offsets: Mapping[str, GyroscopeOffset]
     -------
     Recording; the same one if there is nothing to take off
     """
+    expect("recording", recording, Recording)
+    check_offsets("offsets", offsets)
     sensors = dict(recording.sensors)
     for name, offset in offsets.items():
         if name in sensors and sensors[name].gyr_radps is not None and offset.offset_radps.any():
@@ -446,6 +480,9 @@ def offset_warnings(
     -------
     tuple of str
     """
+    expect("recording", recording, Recording)
+    check_offsets("offsets", offsets)
+    sensors = as_names(sensors, "sensors")
     unknown = [name for name in sensors if name not in offsets]
     sentences = []
     if unknown:
@@ -458,12 +495,12 @@ def offset_warnings(
             continue
         size, sd = offsets[name].offset_radps, offsets[name].sd_radps
         if np.abs(size).max() > LARGE_OFFSET_RADPS or sd.max() > LARGE_SD_RADPS:
-            shown = ", ".join(
+            axes = ", ".join(
                 f"{axis} {np.rad2deg(v):.2f} ± {np.rad2deg(s):.2f}"
                 for axis, v, s in zip("xyz", size, sd, strict=True)
             )
             sentences.append(
-                f"{recording.source}: the gyroscope of {name} has an offset ({shown} deg/s), "
+                f"{recording.source}: the gyroscope of {name} has an offset ({axes} deg/s), "
                 "which is taken off"
             )
     return tuple(sentences)

@@ -20,8 +20,10 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import (
     FloatArray,
     as_count,
+    as_flags,
     as_floats,
     as_number,
+    as_vectors,
 )
 from mobility_imu.runs import long_runs, runs_of
 
@@ -122,7 +124,7 @@ def resolution_of(values: ArrayLike, *, skip: ArrayLike | None = None) -> Resolu
     changed = change > 0
     live = np.logical_or.reduce(changed.T)
     if skip is not None:
-        unused = np.asarray(skip, bool)
+        unused = as_flags(skip, "skip", length=len(values))
         live &= ~(unused[1:] | unused[:-1])
     axes = values.shape[1]
     if not live.any():
@@ -211,6 +213,8 @@ def frozen_samples(
     """
     values = _readings(values)
     rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    if not isinstance(follows, list | tuple):
+        raise InputError(f"follows: got {type(follows).__name__}, expected a list of arrays")
     expected = [as_floats(one, "follows") for one in follows]
     for one in expected:
         if one.shape != values.shape:
@@ -261,7 +265,8 @@ def turned_gravity(
     -------
     (n, 3) array, m/s²; its differences are right for a second or so
     """
-    acc, gyr = _readings(acc_mps2), _readings(gyr_radps)
+    acc = as_vectors(acc_mps2, "acc_mps2", ndim=2)
+    gyr = as_vectors(gyr_radps, "gyr_radps", length=len(acc))
     step_s = 1 / as_number(sampling_rate_hz, "sampling_rate_hz")
     rate = gyr - _quiet_rate(gyr, max(2, round(1 / step_s))) if len(gyr) else gyr
     turning = np.cross(rate, acc)
@@ -381,7 +386,10 @@ def smallest_step(axis: FloatArray) -> float:
     >>> smallest_step(np.array([0.5, 0.0, 1.5, 0.5]))
     0.55
     """
-    apart = np.diff(np.unique(axis))
+    values = as_floats(axis, "axis")
+    if values.ndim != 1:
+        raise InputError(f"axis: expected one series, got an array of shape {values.shape}")
+    apart = np.diff(np.unique(values))
     return float(np.percentile(apart, 10)) if len(apart) else np.inf
 
 

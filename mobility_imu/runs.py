@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import as_flags
+from mobility_imu.frames import as_count, as_flags, one_of
 
 FEWEST_VALUES = 20
 """An axis that never changes is dead if another one of its sensor takes more values than this."""
@@ -28,7 +28,7 @@ def runs_of(flags: ArrayLike) -> list[slice]:
     >>> runs_of([0, 1, 1, 0, 1])
     [slice(1, 3, None), slice(4, 5, None)]
     """
-    starts, stops = _edges(_flags(flags))
+    starts, stops = _edges(some_flags(flags))
     return [slice(int(a), int(b)) for a, b in zip(starts, stops, strict=True)]
 
 
@@ -50,9 +50,10 @@ def long_runs(flags: ArrayLike, shortest: int, *, grow: bool) -> NDArray[np.bool
     >>> long_runs([0, 1, 1, 0, 1], 2, grow=True).tolist()
     [True, True, True, False, False]
     """
-    flags = _flags(flags)
+    flags = some_flags(flags)
     starts, stops = _edges(flags)
-    long = stops - starts >= shortest
+    long = stops - starts >= as_count(shortest, "shortest", least=0)
+    one_of("grow", grow, (True, False))
     if not long.any():
         return np.zeros(len(flags), np.bool_)
     out = np.zeros(len(flags) + 1, int)
@@ -77,7 +78,10 @@ def changes_of(codes: ArrayLike) -> NDArray[np.intp]:
     >>> changes_of([1, 1, 2, 2, 1]).tolist()
     [0, 2, 4]
     """
-    values = np.asarray(codes)
+    try:
+        values = np.asarray(codes)
+    except ValueError:
+        raise InputError("codes: expected one code per sample") from None
     if values.ndim != 1:
         raise InputError(f"codes: expected one code per sample, got shape {values.shape}")
     if not len(values):
@@ -85,8 +89,23 @@ def changes_of(codes: ArrayLike) -> NDArray[np.intp]:
     return np.concatenate([[0], np.nonzero(values[1:] != values[:-1])[0] + 1])
 
 
-def _flags(flags: ArrayLike) -> NDArray[np.bool_]:
-    return as_flags(flags, "flags", length=np.size(flags))
+def some_flags(flags: ArrayLike, name: str = "flags") -> NDArray[np.bool_]:
+    """Check that an array has flags of samples, however many.
+
+    Parameters
+    ----------
+    flags : (n,) array of truth values, or of 0 and 1
+    name : what to call it in the error message
+
+    Returns
+    -------
+    (n,) bool array, a copy
+    """
+    try:
+        length = np.size(flags)
+    except ValueError:  # rows of several lengths
+        length = 0
+    return as_flags(flags, name, length=length)
 
 
 def _edges(flags: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -24,10 +24,10 @@ DEVICES = ("scooter", "wheelchair", "walker")
 LAYERS = (
     {"errors"},
     {"frames", "data", "_compiled", "files"},
-    {"runs", "results", "executors"},
+    {"runs", "results", "executors", "names"},
     {"rotations", "filters", "recording"},
     {"hinges", "quality", "readers", "arguments"},
-    {"offsets"},
+    {"offsets", "fields"},
     {"datasets", "faults"},
     {"health"},
     set(DEVICES),

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from mobility_imu import data
+from mobility_imu.arguments import expect
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import one_of
 
 Name = Literal[
@@ -53,6 +55,13 @@ class Dataset:
     subfolders: tuple[str, ...] = ()
     sha256: str | None = None
     recipe: int = 1
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        texts = ("name", "about", "good_for", "origin", "commit", "licence")
+        numbers = {"download_mb": float, "size_mb": float, "recipe": int}
+        check_fields(self, **dict.fromkeys(texts, str), **numbers, subfolders=[str])
+        expect("Dataset.sha256", self.sha256, str, none=True)
 
     @property
     def stamp(self) -> str:

@@ -21,6 +21,7 @@ from mobility_imu.datasets.folders import NOTE, cache_folder, is_complete
 from mobility_imu.datasets.git import fetch_commit
 from mobility_imu.datasets.http import download
 from mobility_imu.errors import InputError
+from mobility_imu.frames import shown
 
 FORGOTTEN_S = 24 * 3600.0
 """An unfinished folder this old is of a process that was killed."""
@@ -49,6 +50,8 @@ def fetch_dataset(name: str, *, progress: Callable[[str], None] | None = None) -
         is full, or the cache holds another folder of this name.
     """
     dataset = find_dataset(name)
+    if not (progress is None or callable(progress)):
+        raise InputError(f"progress = {shown(progress)}: expected a function of a text, or None")
     target = cache_folder() / dataset.name
     if is_complete(target, dataset):
         return target

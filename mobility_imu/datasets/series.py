@@ -5,8 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mobility_imu.frames import FloatArray
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_floats, as_number
 from mobility_imu.runs import runs_of
+
+LEAST_CUTOFF = 1e-6
+"""Of the rate; below it the filter's equations cannot be solved."""
+FEWEST_SAMPLES = 10
+"""By which a series is mirrored at its ends."""
 
 
 def low_pass(values: ArrayLike, cutoff_hz: float, rate_hz: float) -> FloatArray:
@@ -24,8 +30,18 @@ def low_pass(values: ArrayLike, cutoff_hz: float, rate_hz: float) -> FloatArray:
     """
     from scipy import signal
 
-    b, a = signal.butter(2, cutoff_hz / (rate_hz / 2))
-    return np.asarray(signal.filtfilt(b, a, np.asarray(values, float), axis=0))
+    series = as_floats(values, "values")
+    rate, cutoff = as_number(rate_hz, "rate_hz"), as_number(cutoff_hz, "cutoff_hz")
+    least, most = LEAST_CUTOFF * rate, rate / 2
+    if not least <= cutoff < most:
+        raise InputError(f"cutoff_hz = {cutoff:g}: expected from {least:g} to below {most:g} Hz")
+    if series.ndim not in (1, 2) or len(series) < FEWEST_SAMPLES or not np.isfinite(series).all():
+        raise InputError(
+            f"values: expected finite numbers, (n,) or (n, k), {FEWEST_SAMPLES} samples or more; "
+            f"got shape {series.shape}"
+        )
+    b, a = signal.butter(2, cutoff / (rate / 2))
+    return np.asarray(signal.filtfilt(b, a, series, axis=0))
 
 
 def longest_run(flags: ArrayLike) -> slice:

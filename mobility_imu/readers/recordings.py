@@ -15,6 +15,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.files import as_path
+from mobility_imu.names import as_names
 from mobility_imu.readers.blocks import with_times_of_rows
 from mobility_imu.readers.clocks import check_fill, check_rate, needed_on_one_clock
 from mobility_imu.readers.column_map import read_mapped
@@ -165,6 +166,7 @@ def understand(
     if sampling_rate_hz is not None:
         check_rate(sampling_rate_hz, source)
     check_fill(fill_gaps_s)
+    expected = as_names(expected, "expected", ordered=True)
     asked = Asked(sampling_rate_hz)
     try:
         form, streams, are_named = _streams(path, asked, map_path)

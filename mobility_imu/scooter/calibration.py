@@ -19,15 +19,10 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.files import write_text
 from mobility_imu.filters import rms
-from mobility_imu.frames import (
-    FloatArray,
-    as_floats,
-    as_number,
-    as_vectors,
-    wrap_angle,
-)
+from mobility_imu.frames import FloatArray, as_number, as_vectors, wrap_angle
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
@@ -40,7 +35,7 @@ from mobility_imu.scooter.geometry import (
 )
 from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.scooter.mount_fit import MountFit
-from mobility_imu.scooter.pose_table import Places, step_of, wrong_angles
+from mobility_imu.scooter.pose_table import Places, as_poses, step_of, wrong_angles
 
 __all__ = [
     "ParkedPose",
@@ -75,8 +70,6 @@ with the sensors of a phone, uncalibrated, lead to 15 deg, axes that were exchan
 LARGEST_SWAY_RAD = float(np.deg2rad(2.0))
 """The body of a parked scooter sways less when its controls are moved, or its sensor is bad: on a
 track of 0.5 m a wheel would have to sink by 17 mm, a tyre's whole deflection under a rider."""
-LARGEST_POSE_RAD = 360.0
-"""A turn in deg: poses that are not in rad are told by their misfit, these are no angles at all."""
 UNSEEN_FRACTION = 0.8
 """A direction is unseen if its standard deviation is more than this fraction of the prior's."""
 DIRECTIONS = (
@@ -147,6 +140,15 @@ class ScooterCalibration(Result):
     severe: tuple[str, ...] = ()
     wrong_lengths: tuple[PoseLength, ...] = ()
 
+    def __post_init__(self) -> None:
+        """Check every field."""
+        check_fields(
+            self, mount=ScooterMount, sd_rad=(6,), unseen=[str], geometry=ScooterGeometry,
+            pose_sd_rad=float, prior_sd_rad=float, misfit_rad=float, severe=[str],
+            wrong_lengths=[PoseLength],
+        )  # fmt: skip
+        super().__post_init__()
+
     def to_toml(self, path: str | Path | None = None) -> str:
         """Text of a geometry file with geometry, mount and standard deviations.
 
@@ -202,6 +204,8 @@ def calibrate_mount(
         raise InputError(
             f"parked_recordings: got {type(parked).__name__}, expected Recording or a list of them"
         )
+    for number, one in enumerate(parked):
+        expect(f"parked recording {number}", one, Recording)
     of_each = [(one.source, parked_poses(one, settings_of_poses_rad)) for one in parked]
     poses = [pose for _, some in of_each for pose in some]
     found = mount_from_poses(poses, geometry, pose_sd_rad=pose_sd_rad, prior_sd_rad=prior_sd_rad)
@@ -256,6 +260,9 @@ def mount_from_poses(
     expect("geometry", geometry, ScooterGeometry)
     pose_sd = _as_sd(pose_sd_rad, "pose_sd_rad")
     prior_sd = _as_sd(prior_sd_rad, "prior_sd_rad")
+    expect("poses", poses, Sequence)
+    for number, pose in enumerate(poses):
+        expect(f"pose {number}", pose, ParkedPose)
     _check_settings(poses)
     lever = _directions([p.lever_acc_mps2 for p in poses], "lever_acc_mps2")
     body = _directions([p.body_acc_mps2 for p in poses], "body_acc_mps2")
@@ -312,9 +319,7 @@ def _unseen(sd_rad: FloatArray, prior_sd_rad: float) -> tuple[str, ...]:
 
 def _check_settings(poses: Sequence[ParkedPose]) -> None:
     """Check that there are enough different poses, of angles that a control can have."""
-    largest = max((max(abs(p.steering_rad), abs(p.throttle_rad)) for p in poses), default=0.0)
-    if largest > LARGEST_POSE_RAD:
-        raise InputError(f"an angle of a pose is {largest:g}, expected rad")
+    as_poses([(p.steering_rad, p.throttle_rad) for p in poses] or np.zeros((0, 2)), "poses")
     different = {(round(p.steering_rad, 3), round(p.throttle_rad, 3)) for p in poses}
     if len(poses) < 3 or len({p[0] for p in different}) < 2 or len({p[1] for p in different}) < 2:
         raise InputError(
@@ -551,12 +556,7 @@ def parked_poses(
     InputError
         If there are not as many still intervals as settings; the message lists their times.
     """
-    settings = as_floats(settings_rad, "settings of the poses")
-    if settings.ndim != 2 or settings.shape[1] != 2 or not np.isfinite(settings).all():
-        raise InputError(
-            f"settings of the poses: got shape {settings.shape}, expected a row of two finite "
-            "numbers, steering and throttle, for each pose"
-        )
+    settings = as_poses(settings_rad, "settings of the poses")
     stills = find_stills(parked)
     if len(stills) != len(settings):
         times = ", ".join(

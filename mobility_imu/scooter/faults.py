@@ -21,6 +21,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.faults import (
     Fault,
     Repair,
+    as_faults,
     interpolated,
     reaches_an_end,
     repaired_where_possible,
@@ -251,12 +252,11 @@ def mark_faults(ride: RideAngles, faults: Iterable[Fault]) -> RideAngles:
         If an argument is something else, or a fault is of a recording of another length.
     """
     expect("ride", ride, RideAngles)
-    expect("faults", faults, Iterable)
+    faults = as_faults(faults)
     valid = np.array(ride.valid)
     closed = ride.settings.method == "closed-form"
     beside = ride.settings.median_window // 2 if closed else 0
     for fault in faults:
-        expect("a fault", fault, Fault)
         as_flags(fault.flags, "flags of a fault", length=len(valid))
         if _is_used(fault, ride.settings) and _matters(fault, ride):
             valid &= ~fault.flags & (not _spoils_all(fault, ride.settings))

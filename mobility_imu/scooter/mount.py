@@ -49,10 +49,7 @@ class ScooterMount(Result):
         for key in KEYS:
             object.__setattr__(self, key, as_rotation(getattr(self, key), key).copy())
         if self.sd_rad is not None:
-            sd = as_series(self.sd_rad, SD_KEY, length=6).copy()
-            if not (np.isfinite(sd) & (sd >= 0)).all():
-                raise InputError(f"{SD_KEY} = {sd.tolist()}: expected six numbers from 0")
-            object.__setattr__(self, SD_KEY, sd)
+            object.__setattr__(self, SD_KEY, _as_deviations(self.sd_rad))
         super().__post_init__()
 
     @np.errstate(over="ignore", invalid="ignore")  # beyond the largest number is infinity
@@ -157,7 +154,7 @@ class ScooterMount(Result):
         expect("geometry", geometry, ScooterGeometry, none=True)
         lines = [] if geometry is None else [*geometry.to_toml().splitlines(), ""]
         lines.append(f"[{SECTION}]")
-        known = self.sd_rad if sd_rad is None else as_series(sd_rad, SD_KEY, length=6)
+        known = self.sd_rad if sd_rad is None else _as_deviations(sd_rad)
         if known is not None:
             sd = ", ".join(f"{value:.2f}" for value in np.rad2deg(known))
             lines.append(f"# sd in deg about x, y, z of the lever's, then the body's IMU: {sd}")
@@ -169,3 +166,10 @@ class ScooterMount(Result):
         if path is not None:
             write_text(path, text)
         return text
+
+
+def _as_deviations(sd_rad: ArrayLike) -> FloatArray:
+    sd = as_series(sd_rad, SD_KEY, length=6)
+    if (sd < 0).any():
+        raise InputError(f"{SD_KEY} = {sd.tolist()}: expected six numbers from 0")
+    return sd.copy()

@@ -13,18 +13,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 
-from mobility_imu.arguments import expect, settings_or_default
-from mobility_imu.errors import InputError
+from mobility_imu.arguments import check_columns, expect, settings_or_default
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
     FloatArray,
-    as_floats,
     as_number,
     check_positive,
     one_of,
@@ -48,6 +47,7 @@ from mobility_imu.scooter.geometry import (
 )
 from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.scooter.pose_errors import by_errors, by_set_angles, set_covariance
+from mobility_imu.scooter.pose_table import as_poses, within_a_turn
 from mobility_imu.scooter.ride import Method, RideSettings, estimate_ride
 from mobility_imu.scooter.sensitivity import by_lever_acceleration
 
@@ -204,6 +204,17 @@ class PoseCheck(Result):
     calibrated: bool
     settings: PoseCheckSettings
     warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check that there is one entry for each pose."""
+        check_columns(self, "start_s", "stop_s", flags=("judged",))
+        pairs = (len(self.start_s), 2)
+        check_fields(
+            self, set_rad=pairs, found_rad=pairs, found_sd_rad=pairs, difference_sd_rad=pairs,
+            chi_square=float, geometry=ScooterGeometry, calibrated=bool, settings=PoseCheckSettings,
+        )  # fmt: skip
+        one_of("PoseCheck.verdict", self.verdict, get_args(Verdict))
+        super().__post_init__()
 
     @property
     def difference_rad(self) -> FloatArray:
@@ -383,14 +394,11 @@ def pose_uncertainty(
     expect("geometry", geometry, ScooterGeometry)
     settings = settings_or_default("settings", settings, PoseCheckSettings)
     one_of("calibrated", calibrated, (False, True))
-    poses = as_floats(poses_rad, "poses_rad")
-    if poses.ndim != 2 or poses.shape[1] != 2 or not np.isfinite(poses).all():
-        raise InputError(
-            f"poses_rad: got shape {poses.shape}, expected a row of two finite numbers, steering "
-            "and throttle, for each pose"
-        )
+    poses = as_poses(poses_rad, "poses_rad")
     pitch = as_number(pitch_rad, "pitch_rad", negative=True)
     roll = as_number(roll_rad, "roll_rad", negative=True)
+    for name, angle in (("pitch_rad", pitch), ("roll_rad", roll)):
+        within_a_turn(angle, name)
     body = np.broadcast_to(body_specific_force(pitch, roll), (len(poses), 3))
     spread = _residual(geometry, settings, calibrated=calibrated)
     everywhere = np.ones(len(poses), bool)

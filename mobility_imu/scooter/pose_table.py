@@ -25,15 +25,17 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import stats
 
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray
+from mobility_imu.errors import InputError
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_floats
 from mobility_imu.recording import Recording
 from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 from mobility_imu.scooter.mount import ScooterMount
 from mobility_imu.scooter.pose_errors import ERRORS, by_errors, by_set_angles, set_covariance
 
-__all__ = ["Places", "Wrong", "step_of", "wrong_angles"]
+__all__ = ["Places", "Wrong", "as_poses", "step_of", "within_a_turn", "wrong_angles"]
 
 STOP_SD_RAD, HELD_SD_RAD = np.deg2rad([0.5, 0.2]).tolist()
 """Errors of a stop, half of its variance the same in all places and half new in each, for nothing
@@ -52,6 +54,53 @@ near; of wrong poses that move a mount by over two standard deviations 98 % are 
 CONTROLS = ("steering", "throttle")
 LARGEST_FIT = 8
 """Steps in which a wrong angle is found; each leaves a tenth of the error or less."""
+
+
+def as_poses(poses_rad: ArrayLike, name: str) -> FloatArray:
+    """Check that an array has angles of both controls in each pose.
+
+    Parameters
+    ----------
+    poses_rad : (n, 2) array, rad, steering and throttle
+    name : what to call it in the error message
+
+    Returns
+    -------
+    (n, 2) float array
+
+    Raises
+    ------
+    InputError
+        If it has another shape, or an angle is not finite or more than a whole turn.
+    """
+    poses = as_floats(poses_rad, name)
+    if poses.ndim != 2 or poses.shape[1] != 2 or not np.isfinite(poses).all():
+        raise InputError(
+            f"{name}: got shape {poses.shape}, expected a row of two finite numbers, steering and "
+            "throttle, for each pose"
+        )
+    within_a_turn(poses, name)
+    return poses
+
+
+def within_a_turn(angles_rad: FloatArray | float, name: str) -> None:
+    """Check that no angle is larger than a whole turn, as no control and no ground has it.
+
+    Parameters
+    ----------
+    angles_rad : rad
+    name : what to call them in the error message
+
+    Raises
+    ------
+    InputError
+        If one is larger.
+    """
+    largest = float(np.abs(as_floats(angles_rad, name)).max(initial=0.0))
+    if largest > 2 * np.pi:
+        raise InputError(
+            f"{name}: an angle is {largest:g}, more than a whole turn; expected rad (is it in deg?)"
+        )
 
 
 class Places(NamedTuple):

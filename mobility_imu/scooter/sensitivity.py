@@ -19,9 +19,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mobility_imu.arguments import expect
+from mobility_imu.errors import InputError
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
     FloatArray,
+    as_floats,
     as_number,
     as_vectors,
     one_of,
@@ -194,8 +196,8 @@ def by_body_acceleration(
     -------
     (..., 2, 3) array, rad per m/s²
     """
-    rotation = rotation_lever_to_body(steering_rad, throttle_rad, geometry)
     by_lever = by_lever_acceleration(body_acc_mps2, steering_rad, throttle_rad, geometry)
+    rotation = rotation_lever_to_body(steering_rad, throttle_rad, geometry)
     return -by_lever @ np.swapaxes(rotation, -1, -2)
 
 
@@ -366,8 +368,11 @@ def single_imu_range(
         say nothing of the mirror: beyond ``|u| = 90 deg`` an answer comes, but of the mirror image.
     """
     expect("geometry", geometry, ScooterGeometry)
+    pitch, roll = as_floats(pitch_rad, "pitch_rad"), as_floats(roll_rad, "roll_rad")
+    if pitch.ndim and roll.ndim and pitch.shape != roll.shape:
+        raise InputError(f"roll_rad: expected shape {pitch.shape} like pitch_rad, got {roll.shape}")
     x, c1, _ = column_vector(
-        body_specific_force(pitch_rad, roll_rad, gravity_mps2=1.0),
+        body_specific_force(pitch, roll, gravity_mps2=1.0),
         geometry.steering_inclination_rad,
     )
     ahead = np.arctan2(x, c1)
@@ -431,11 +436,14 @@ def _pose(
     expect("geometry", geometry, ScooterGeometry)
     body = as_vectors(body_acc_mps2, "body_acc_mps2")
     alpha, beta = geometry.steering_inclination_rad, geometry.lever_inclination_rad
-    steering, throttle, x, c1, k1 = np.broadcast_arrays(
-        np.asarray(steering_rad, float),
-        np.asarray(throttle_rad, float),
-        *column_vector(body, alpha),
-    )
+    angles = as_floats(steering_rad, "steering_rad"), as_floats(throttle_rad, "throttle_rad")
+    try:
+        steering, throttle, x, c1, k1 = np.broadcast_arrays(*angles, *column_vector(body, alpha))
+    except ValueError:
+        shapes = ", ".join(str(np.shape(one)) for one in (body[..., 0], *angles))
+        raise InputError(
+            f"body_acc_mps2, steering_rad, throttle_rad: expected one length, got shapes {shapes}"
+        ) from None
     phi = throttle + alpha - beta
     lever_x, k2 = turn(x, c1, np.sin(steering), np.cos(steering))
     lever_z, lever_y = turn(k1, k2, np.sin(phi), np.cos(phi))

@@ -16,6 +16,7 @@ from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
     FloatArray,
     as_flags,
+    as_floats,
     as_number,
     as_rotation,
     as_vectors,
@@ -107,7 +108,7 @@ def _linear_model(
     rotation_imu_to_world: ArrayLike, count: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Axis, (3, 2) basis at right angles to it, and (3 n, 5) design of the fit of an arc."""
-    attitude = np.asarray(rotation_imu_to_world, float)
+    attitude = as_floats(rotation_imu_to_world, "rotation_imu_to_world")
     if attitude.shape != (count, 3, 3) or not np.isfinite(attitude).all():
         raise InputError(
             f"rotation_imu_to_world: expected ({count}, 3, 3) numbers, got {attitude.shape}"

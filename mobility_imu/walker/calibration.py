@@ -10,13 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
@@ -72,8 +73,6 @@ __all__ = [
 ]
 
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
-_METHODS: tuple[Method, ...] = ("four-tilts", "two-tilts", "all-samples")
-
 _VELOCITY_TILT_RAD = float(np.deg2rad(3))
 
 
@@ -103,6 +102,14 @@ class WalkerCalibration(Result):
     form: Form = field(kw_only=True)
     settings: NavigationSettings = field(default_factory=NavigationSettings, kw_only=True)
     stillness: StillnessSettings = field(default_factory=StillnessSettings, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        check_choices(self.geometry, self.method, self.form, TILT_DIRECTIONS)
+        check_fields(self, mount=WalkerMount, tilts=[Tilt], footprint_m=[float, 2])
+        check_fields(self, translation_sd_m=(3,), rotation_sd_rad=(3,))
+        check_fields(self, settings=NavigationSettings, stillness=StillnessSettings)
+        super().__post_init__()
 
     def to_toml(self, path: str | Path | None = None) -> str:
         """Geometry and mount as the text of a geometry file, with a comment on the tilts.
@@ -206,7 +213,7 @@ def check_choices(
         If one is of another kind, or has none of its values.
     """
     expect("geometry", geometry, WalkerGeometry)
-    one_of("method", method, _METHODS)
+    one_of("method", method, get_args(Method))
     one_of("form", form, ("corrected", "printed"))
     check_order(order)
 
@@ -260,9 +267,7 @@ def with_sensor_errors(
         other_fits, other_turn = _fit_arcs(other, spans, edges)
         there, _, _ = _position_from_arcs(other_fits, tilts, edges, other_turn, trust, noise)
         changes.append(there - place)
-        sides.append(
-            np.subtract(footprint_by_arcs(other_fits, tilts, other_turn), found.footprint_m)
-        )
+        sides.append(footprint_by_arcs(other_fits, tilts, other_turn))
         place_var = place_var + changes[-1] ** 2
         turn_var = turn_var + Rotation.from_matrix(other_turn @ turn.T).as_rotvec() ** 2
     place_sd = np.maximum(found.translation_sd_m, np.sqrt(place_var))
@@ -271,7 +276,7 @@ def with_sensor_errors(
     mount = replace(found.mount, translation_sd_m=place_sd, rotation_sd_rad=turn_sd)
     scale = scale_at_rest(path, recording)
     moved = scale / settings.scale_sd * np.sum([changes[k] for k in SCALES_OF_ACC], axis=0)
-    sides_sd = np.sqrt(np.sum(np.square(sides), axis=0))
+    sides_sd = np.sqrt(np.sum(np.square(np.subtract(sides, found.footprint_m)), axis=0))
     others = [text for text in found.warnings if not text.startswith(FOOTPRINT_WORDS)]
     of_sides = footprint_warnings(found.footprint_m, found.geometry, sides_sd)
     return replace(

@@ -22,8 +22,8 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.faults import Cost, Fault, half_of, largest_change, with_costs
-from mobility_imu.frames import FloatArray, shown
+from mobility_imu.faults import Cost, Fault, as_faults, half_of, largest_change, with_costs
+from mobility_imu.frames import FloatArray
 from mobility_imu.health import examine
 from mobility_imu.recording import Recording
 from mobility_imu.runs import long_runs
@@ -349,11 +349,8 @@ def _carried_back(
 
 def _checked(faults: Iterable[Fault], found: Trajectory | None = None) -> tuple[Fault, ...]:
     """Faults as a tuple; those of a path may have the few seconds more before its first rest."""
-    if isinstance(faults, Fault) or not isinstance(faults, Iterable):
-        raise InputError(f"faults: got {shown(faults)}, expected those that find_faults gives")
-    faults = tuple(faults)
+    faults = as_faults(faults)
     for fault in faults:
-        expect("faults", fault, Fault)
         if found is None:
             continue
         most = len(found) + LATEST_REST_S / float(np.median(np.diff(found.time_s))) + 1

@@ -147,7 +147,7 @@ def as_sentences(warnings: Iterable[str]) -> tuple[str, ...]:
     InputError
         If they are something else, such as one text.
     """
-    several = isinstance(warnings, Iterable) and not isinstance(warnings, str)
+    several = isinstance(warnings, Iterable) and not isinstance(warnings, str | np.ndarray)
     sentences = tuple(warnings) if several else ()
     if not several or not all(isinstance(text, str) for text in sentences):
         raise InputError(f"warnings: got {shown(warnings)}, expected those of a result")

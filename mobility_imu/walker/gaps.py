@@ -7,7 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import expect
 from mobility_imu.faults import Fault
+from mobility_imu.frames import as_flags
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.runs import long_runs, runs_of
@@ -33,6 +35,7 @@ def filled_samples(recording: Recording) -> NDArray[np.bool_]:
     -------
     (n,) bool array
     """
+    expect("recording", recording, Recording)
     values = np.hstack([recording.sensor(FRAME).acc_mps2, recording.gyroscope(FRAME)])
     step = np.diff(values, axis=0)
     near = STRAIGHT * np.abs(values).max(axis=0)
@@ -71,7 +74,9 @@ def without_samples(recording: Recording, flags: NDArray[np.bool_]) -> Recording
     -------
     Recording of the sensor "frame"
     """
-    acc, gyr = recording.sensor(FRAME).acc_mps2[~flags], recording.gyroscope(FRAME)[~flags]
+    expect("recording", recording, Recording)
+    kept = ~as_flags(flags, "flags", length=len(recording))
+    acc, gyr = recording.sensor(FRAME).acc_mps2[kept], recording.gyroscope(FRAME)[kept]
     return Recording(recording.time_s[: len(acc)], {FRAME: Imu(acc, gyr)}, source=recording.source)
 
 

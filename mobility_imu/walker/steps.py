@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mobility_imu.arguments import check_columns, check_shape, expect, settings_or_default
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, check_positive
 from mobility_imu.results import Result
 from mobility_imu.runs import runs_of
@@ -108,6 +109,7 @@ class Steps(Result):
         check_shape(self, "place_m", (len(self.lift_s), 2))
         for name in ("start_m", "recorded_s"):
             check_shape(self, name, (2,))
+        check_fields(self)
         super().__post_init__()
 
     def __len__(self) -> int:
@@ -277,6 +279,13 @@ class Turns(Result):
     last_step: NDArray[np.int64]
     settings: GaitSettings = field(default_factory=GaitSettings)
     warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check that there is one entry for each turn."""
+        check_columns(self, "start_s", "stop_s", "angle_rad")
+        steps = [int, len(self.start_s)]
+        check_fields(self, first_step=steps, last_step=steps, settings=GaitSettings)
+        super().__post_init__()
 
     def __len__(self) -> int:
         """Return the number of turns."""

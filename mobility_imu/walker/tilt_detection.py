@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, shown
+from mobility_imu.fields import check_fields
+from mobility_imu.frames import FloatArray, one_of, shown
 from mobility_imu.runs import runs_of
 from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection
 from mobility_imu.walker.navigation import Navigation
@@ -42,6 +43,11 @@ class Tilt:
     span: slice = field(hash=False)  # a slice has no hash before Python 3.12
     top: int
     angle_rad: float
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        one_of("Tilt.direction", self.direction, TILT_DIRECTIONS)
+        check_fields(self, span=slice, top=int, angle_rad=float)
 
 
 def find_tilts(

@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number, as_rotation, as_vectors, one_of
+from mobility_imu.frames import FloatArray, as_floats, as_number, as_rotation, as_vectors, one_of
 from mobility_imu.walker.geometry import (
     TILT_DIRECTIONS,
     TiltDirection,
@@ -211,12 +212,14 @@ def imu_height(distances_m: Mapping[TiltDirection, float], geometry: WalkerGeome
     InputError
         If two distances do not reach across the footprint, so that there is no such triangle.
     """
+    expect("geometry", geometry, WalkerGeometry)
     distances = _four_distances(distances_m)
     total = 0.0
-    for base, one, other in (
+    sides: tuple[tuple[float, TiltDirection, TiltDirection], ...] = (
         (geometry.footprint_width_m, "right", "left"),
         (geometry.footprint_length_m, "front", "back"),
-    ):
+    )
+    for base, one, other in sides:
         a, b = distances[one], distances[other]
         p = (base + a + b) / 2
         square = p * (p - base) * (p - a) * (p - b)
@@ -318,6 +321,9 @@ def position_two_tilts(
     """
     for name, distance in (("back", distance_back_m), ("right", distance_right_m)):
         as_number(distance, f"distance_{name}_m")
+    for name, angle in (("back", arm_back_rad), ("right", arm_right_rad)):
+        as_number(angle, f"arm_{name}_rad", negative=True)
+    as_number(footprint_width_m, "footprint_width_m")
     return np.array(
         [
             distance_back_m * np.sin(arm_back_rad),
@@ -343,12 +349,10 @@ def position_gain(
     -------
     (3,) array, m per m
     """
-    step = 1e-6
+    step, known = 1e-6, _four_distances(distances_m)
 
     def moved(name: TiltDirection, by: float) -> FloatArray:
-        return position_four_tilts(
-            {**distances_m, name: distances_m[name] + by}, geometry, form=form
-        )
+        return position_four_tilts({**known, name: known[name] + by}, geometry, form=form)
 
     slopes = [(moved(name, step) - moved(name, -step)) / (2 * step) for name in TILT_DIRECTIONS]
     return np.asarray(np.linalg.norm(slopes, axis=0))
@@ -356,14 +360,15 @@ def position_gain(
 
 def _one_quaternion(quaternion: ArrayLike) -> FloatArray:
     """One quaternion, checked for its shape; its length is checked where it becomes a matrix."""
-    q = np.asarray(quaternion, float)
+    q = as_floats(quaternion, "quaternion")
     if q.shape != (4,):
         raise InputError(f"quaternion: expected shape (4,), got {q.shape}")
     return q
 
 
-def _four_distances(distances_m: Mapping[TiltDirection, float]) -> dict[str, float]:
+def _four_distances(distances_m: Mapping[TiltDirection, float]) -> dict[TiltDirection, float]:
     """Distances to all four edges, each a positive number."""
+    expect("distances_m", distances_m, Mapping)
     missing = [name for name in TILT_DIRECTIONS if name not in distances_m]
     if missing:
         raise InputError(f"distances_m: no distance to the {', '.join(missing)} edge")

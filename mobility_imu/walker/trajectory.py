@@ -17,6 +17,7 @@ from mobility_imu.arguments import (
     settings_or_default,
 )
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
@@ -99,6 +100,7 @@ class Trajectory(Result):
         check_columns(self, "time_s", "yaw_sd_rad", flags=("stationary",))
         for name, each in SHAPES.items():
             check_shape(self, name, (len(self.time_s), *each))
+        check_fields(self)
         super().__post_init__()
 
     def __len__(self) -> int:

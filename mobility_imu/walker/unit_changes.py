@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mobility_imu.arguments import expect
 from mobility_imu.frames import FloatArray
 from mobility_imu.recording import Recording
 from mobility_imu.runs import runs_of
@@ -79,6 +80,8 @@ def find_unit_change(recording: Recording, name: str = "frame") -> UnitChange | 
     UnitChange, None if there is none, if it changes more than twice, or if one part is at rest, in
     which nothing shows
     """
+    expect("recording", recording, Recording)
+    expect("name", name, str)
     imu, rate_hz = recording.sensor(name), recording.sampling_rate_hz
     if imu.gyr_radps is None:
         return None

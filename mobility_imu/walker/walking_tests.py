@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_count, as_number, one_of
 from mobility_imu.results import Result
 from mobility_imu.walker.steps import GaitSettings, Steps, Turns, find_turns
@@ -66,6 +67,13 @@ class WalkingSummary(Result):
     turns: Turns
     warnings: tuple[str, ...] = ()
     settings: GaitSettings = field(default_factory=GaitSettings)
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        kinds = {"step_count": int, "turns": Turns, "settings": GaitSettings}
+        others = {each.name for each in fields(self)} - {*kinds, "warnings"}
+        check_fields(self, **dict.fromkeys(others, float), **kinds)
+        super().__post_init__()
 
     def to_frame(self) -> pd.DataFrame:
         """One row of numbers, with the number of turns and their sum without sign."""
@@ -203,6 +211,7 @@ class WalkTest:
         object.__setattr__(self, "step_count", as_count(self.step_count, "step_count", least=0))
         if not self.stop_s > self.start_s:
             raise InputError(f"stop_s = {self.stop_s:g}: expected after start_s, {self.start_s:g}")
+        check_fields(self, settings=GaitSettings)
 
     @property
     def duration_s(self) -> float:
@@ -316,6 +325,14 @@ class TimedUpAndGo(Result):
     step_count: NDArray[np.int64]
     warnings: tuple[str, ...] = ()
     settings: GaitSettings = field(default_factory=GaitSettings)
+
+    def __post_init__(self) -> None:
+        """Check that there is one entry for each phase."""
+        check_fields(
+            self, boundary_s=(5,), distance_m=(4,), turn_rad=(4,), step_count=[int, 4],
+            settings=GaitSettings,
+        )  # fmt: skip
+        super().__post_init__()
 
     @property
     def duration_s(self) -> float:

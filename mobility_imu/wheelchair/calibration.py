@@ -20,6 +20,7 @@ from scipy import ndimage
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_rotation, as_vectors, one_of
 from mobility_imu.offsets import (
     GyroscopeOffset,
@@ -35,6 +36,7 @@ from mobility_imu.wheelchair.geometry import SIDES, Side, WheelPair
 from mobility_imu.wheelchair.mount import WheelchairMount
 from mobility_imu.wheelchair.remarks import other_names
 from mobility_imu.wheelchair.saturation import saturated_gyroscopes, saturation_warnings
+from mobility_imu.wheelchair.series import as_offsets
 
 __all__ = [
     "AlignmentAngles",
@@ -200,6 +202,13 @@ class WheelchairCalibration(Result):
     off_axle_share: WheelPair
     offsets: dict[str, GyroscopeOffset] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        check_fields(self, mount=WheelchairMount, off_axle_share=[float, 2])
+        object.__setattr__(self, "off_axle_share", WheelPair(*self.off_axle_share))
+        object.__setattr__(self, "offsets", as_offsets(self.offsets))
+        super().__post_init__()
 
 
 def axle_direction(gyr_radps: ArrayLike) -> tuple[FloatArray, float]:

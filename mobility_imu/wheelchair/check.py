@@ -10,7 +10,7 @@ cannot be told from a radius or a distance that is 1 % off: the standard deviati
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -21,6 +21,7 @@ from scipy import ndimage
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.faults import Fault
+from mobility_imu.fields import check_fields
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray, as_number
 from mobility_imu.offsets import (
@@ -161,6 +162,14 @@ class GeometryCheck(Result):
     geometry: WheelchairGeometry
     offsets: dict[str, GyroscopeOffset] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        kinds = {"judged": bool, "fits": bool, "geometry": WheelchairGeometry}
+        others = {each.name for each in fields(self)} - {*kinds, "offsets", "warnings"}
+        check_fields(self, **dict.fromkeys(others, float), **kinds)
+        object.__setattr__(self, "offsets", as_offsets(self.offsets))
+        super().__post_init__()
 
 
 def check_geometry(

@@ -63,7 +63,7 @@ def as_codes(
     InputError
         If it has another shape or length, or a code is unknown.
     """
-    if isinstance(codes, np.ndarray) and codes.dtype == np.int8 and codes.ndim == 1:
+    if type(codes) is np.ndarray and codes.dtype == np.int8 and codes.ndim == 1:
         array, numbers = codes, codes
     else:
         numbers = as_series(codes, name)

@@ -19,12 +19,13 @@ from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.faults import (
     Fault,
     all_repaired,
+    as_faults,
     interpolated,
     one_sided,
     repaired_where_possible,
     with_costs,
 )
-from mobility_imu.frames import FloatArray
+from mobility_imu.frames import FloatArray, as_count, as_flags
 from mobility_imu.health import examine, fault_of
 from mobility_imu.offsets import GyroscopeOffset, offset_warnings
 from mobility_imu.recording import Recording
@@ -458,8 +459,9 @@ def valid_samples(faults: Iterable[Fault], count: int) -> NDArray[np.bool_]:
     -------
     (n,) bool array
     """
-    valid = np.ones(count, np.bool_)
-    for fault in faults:
+    valid = np.ones(as_count(count, "count", least=0), np.bool_)
+    for fault in as_faults(faults):
+        as_flags(fault.flags, "flags of a fault", length=count)
         _, half = _parts(fault.sensor)
         small = fault.code in SMALL and not fault.size > SMALL[fault.code]
         if half != "acc" and fault.code != "frozen" and not small:
@@ -479,6 +481,7 @@ def with_valid(drive: ChairVelocity, faults: tuple[Fault, ...]) -> ChairVelocity
     -------
     ChairVelocity
     """
+    expect("drive", drive, ChairVelocity)
     assert drive.valid is not None
     return replace(drive, valid=drive.valid & valid_samples(faults, len(drive)))
 
@@ -506,7 +509,8 @@ def ranges_told(recording: Recording, faults: Iterable[Fault]) -> set[str]:
     -------
     set of str
     """
-    told = _gyroscopes_with("range", faults)
+    expect("recording", recording, Recording)
+    told = _gyroscopes_with("range", as_faults(faults))
     cut = saturated_gyroscopes(recording, with_gyroscope(recording, CHAIR))
     return set(saturation_warnings(recording, {n: f for n, f in cut.items() if n in told}))
 
@@ -541,7 +545,9 @@ def not_told(
     -------
     list of str
     """
-    faults = tuple(faults)
+    expect("drive", drive, ChairVelocity)
+    expect("recording", recording, Recording)
+    faults = as_faults(faults)
     names = with_gyroscope(recording, CHAIR)
     failed = failed_gyroscopes(recording, names, mount, geometry)
     frozen = _gyroscopes_with("frozen", faults)

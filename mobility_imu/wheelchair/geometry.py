@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.files import write_text
 from mobility_imu.frames import FloatArray, as_number, one_of
@@ -342,6 +343,7 @@ def printed_yaw_gain(geometry: WheelchairGeometry) -> tuple[float, float]:
     -------
     (left, right) : floats, in a left and in a right turn; 1 would be right
     """
+    expect("geometry", geometry, WheelchairGeometry)
     lean = sum(geometry.wheel_radius_m) * np.sin(geometry.camber_rad)
     loss = lean / geometry.wheel_centre_distance_m
     return float(1 - loss), float(1 + loss)

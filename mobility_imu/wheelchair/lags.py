@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import fft
 
-from mobility_imu.frames import FloatArray, as_number, as_series
+from mobility_imu.frames import FloatArray
 from mobility_imu.wheelchair.fits import covariance_by_pieces, pieces_of
+from mobility_imu.wheelchair.series import as_motion, as_rate
 
 __all__ = ["Lag", "lag_between"]
 
@@ -55,9 +56,9 @@ def lag_between(first: ArrayLike, second: ArrayLike, sampling_rate_hz: float) ->
     -------
     Lag, or None where the two do not go together for any lag
     """
-    one = as_series(first, "first")
-    two = as_series(second, "second", length=len(one))
-    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    one = as_motion(first, "first")
+    two = as_motion(second, "second", length=len(one))
+    rate = as_rate(sampling_rate_hz)
     reach = min(round(LONGEST_LAG_S * rate), len(one) // 3)
     if reach < 2:
         return None

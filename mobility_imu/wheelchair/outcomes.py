@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import check_columns, check_limits, expect, settings_or_default
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_clock, as_flags, as_number, check_positive
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of
@@ -203,6 +204,7 @@ class Pushes(Result):
         """Check that all are series of one length."""
         expect("settings", self.settings, PushSettings)
         check_columns(self, "onset_s", "peak_s", "speed_gain_mps")
+        check_fields(self)
         super().__post_init__()
 
     def __len__(self) -> int:

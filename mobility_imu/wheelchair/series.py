@@ -7,12 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_series
-from mobility_imu.offsets import GyroscopeOffset
+from mobility_imu.offsets import GyroscopeOffset, check_offsets
+from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ
 
-__all__ = ["alike", "as_motion", "as_offsets"]
+__all__ = ["alike", "as_motion", "as_offsets", "as_rate"]
 
 LARGEST_MOTION = 1e6
 """Largest speed, m/s, and rate, rad/s; sums over it do not overflow, and nothing moves so fast."""
@@ -95,7 +95,29 @@ def as_offsets(offsets: Mapping[str, GyroscopeOffset] | None) -> dict[str, Gyros
         If it is no mapping, or a value is no GyroscopeOffset.
     """
     given = {} if offsets is None else offsets
-    expect("offsets", given, Mapping)
-    for name, offset in given.items():
-        expect(f"offsets[{name!r}]", offset, GyroscopeOffset)
+    check_offsets("offsets", given)
     return dict(given)
+
+
+def as_rate(sampling_rate_hz: float) -> float:
+    """Check that a rate is one that a sensor can have.
+
+    Parameters
+    ----------
+    sampling_rate_hz : Hz
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If it is no number, or none between those of any sensor.
+    """
+    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    if not LOWEST_RATE_HZ <= rate <= HIGHEST_RATE_HZ:
+        raise InputError(
+            f"sampling_rate_hz = {rate:g}: expected {LOWEST_RATE_HZ:g} to {HIGHEST_RATE_HZ:g} Hz"
+        )
+    return rate

@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mobility_imu.arguments import expect, settings_or_default
+from mobility_imu.arguments import check_columns, expect, settings_or_default
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_count, as_number, as_series, check_positive, one_of
 from mobility_imu.results import Result
 from mobility_imu.runs import changes_of, runs_of
@@ -198,6 +199,7 @@ class SlipWindows(Result):
         InputError
             If the last window ends after the recording.
         """
+        as_count(count, "count", least=0)
         if len(self) and self.last[-1] >= count:
             raise InputError(
                 f"windows: the last one ends at sample {self.last[-1]}, but there are {count} "
@@ -221,7 +223,7 @@ class SlipWindows(Result):
         InputError
             If the last window ends after the recording, or no recording is so long.
         """
-        self.within(as_count(count, "count", least=0))
+        self.within(count)
         if count > MOST_SAMPLES:
             raise InputError(
                 f"count = {count}: expected the samples of the recording, at most {MOST_SAMPLES} "
@@ -492,6 +494,15 @@ class SlipReport(Result):
     corrected_share: float
     settings: SlipSettings = SlipSettings()
     warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check that there is one entry for each window."""
+        check_columns(self, "start_s", "end_s", "largest_change_mps", flags=("corrected",))
+        sources = [str, len(self.start_s)]
+        check_fields(
+            self, sources=sources, share=float, corrected_share=float, settings=SlipSettings
+        )
+        super().__post_init__()
 
     @property
     def largest_change(self) -> float:

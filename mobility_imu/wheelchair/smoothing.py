@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from scipy import ndimage
@@ -51,7 +51,7 @@ def smooth_recording(
     InputError
         If the method is none of them, or the window is even or longer than the recording.
     """
-    one_of("method", method, ("none", "moving-average", "savitzky-golay"))
+    one_of("method", method, get_args(Smoothing))
     expect("recording", recording, Recording)
     if method == "none":
         return recording
@@ -70,7 +70,7 @@ def smooth_recording(
 
 
 def _smoother(method: Smoothing, window: int, order: int) -> Callable[[FloatArray], FloatArray]:
-    if one_of("method", method, ("none", "moving-average", "savitzky-golay")) == "none":
+    if one_of("method", method, get_args(Smoothing)) == "none":
         return np.asarray
     if method == "moving-average":
         return partial(moving_average, window=window)
@@ -132,7 +132,7 @@ def with_smoothing_sd(
     expect("geometry", geometry, WheelchairGeometry)
     expect("mount", mount, WheelchairMount)
     window = as_count(window, "window")
-    if method == "none":
+    if one_of("method", method, get_args(Smoothing)) == "none":
         window = 1
     if window > len(smoothed):
         raise InputError(f"window = {window}: longer than the {len(smoothed)} samples")

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import check_columns, expect, settings_or_default
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import (
     FloatArray,
     as_clock,
@@ -104,7 +105,7 @@ class Symbols(Result):
 
     def __post_init__(self) -> None:
         """Check that all four are letters of one length."""
-        count = len(np.atleast_1d(self.velocity))
+        count = as_floats(self.velocity, "symbols.velocity").size
         for name in ("velocity", "speed", "yaw_rate", "radius"):
             codes = as_codes(getattr(self, name), f"symbols.{name}", (0, 1, 2), length=count)
             object.__setattr__(self, name, codes)
@@ -129,6 +130,14 @@ class TaskSteps(Result):
     reduced: Codes
     settings: TaskSettings = field(default_factory=TaskSettings)
     warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check that all are of one length."""
+        check_fields(self, symbols=Symbols, settings=TaskSettings)
+        for name in ("pattern", "refined", "reduced"):
+            codes = as_codes(getattr(self, name), name, length=len(self.symbols.velocity))
+            object.__setattr__(self, name, codes)
+        super().__post_init__()
 
 
 class Velocities(Protocol):
@@ -186,10 +195,12 @@ class Tasks(Result):
         expect("settings", self.settings, TaskSettings)
         one_of("edge", self.edge, ("covering", "tool"))
         if self.valid is None:
-            object.__setattr__(self, "valid", np.ones(len(self.time_s), np.bool_))
+            known = np.ones(as_floats(self.time_s, "time_s").size, np.bool_)
+            object.__setattr__(self, "valid", known)
         series = ("time_s", "linear_velocity_mps", "yaw_rate_radps")
         check_columns(self, *series, flags=("valid",))
         object.__setattr__(self, "codes", as_codes(self.codes, length=len(self.time_s)))
+        check_fields(self)
         super().__post_init__()
 
     def __len__(self) -> int:
@@ -247,7 +258,7 @@ def window_means(values: ArrayLike, length: int) -> FloatArray:
     # Added in the order of the frames: a cumulative sum would lose precision after one huge radius.
     for k in range(min(length, len(x))):
         total[: len(x) - k] += x[k:]
-    return total / np.minimum(length, np.arange(len(x), 0, -1))
+    return total / np.minimum(min(length, len(x)), np.arange(len(x), 0, -1))
 
 
 def identify_tasks(
@@ -568,7 +579,7 @@ def reduce_variability(codes: Codes, segment: int) -> Codes:
     -------
     (n,) array of task codes
     """
-    codes = as_codes(codes)
+    codes, segment = as_codes(codes), as_count(segment, "segment", least=0)
     while True:
         starts = changes_of(codes)
         if len(starts) < 3:

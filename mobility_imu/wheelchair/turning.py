@@ -16,6 +16,7 @@ from scipy import ndimage
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray, as_number, as_series, as_vectors
 from mobility_imu.wheelchair.fits import fit_by_pieces, pieces_of
+from mobility_imu.wheelchair.series import as_rate
 
 __all__ = ["SpinFit", "spin_fit", "up_in_plane", "upward_angle", "without_arm", "yaw_rate_of_wheel"]
 
@@ -109,7 +110,7 @@ def upward_angle(acc_wheel_mps2: ArrayLike, sampling_rate_hz: float) -> FloatArr
     (n,) array, rad, from the wheel's x axis to its y axis, without jumps
     """
     acc = as_vectors(acc_wheel_mps2, "acc_wheel_mps2", ndim=2)
-    width = max(1, round(STEADY_S * as_number(sampling_rate_hz, "sampling_rate_hz")))
+    width = max(1, round(STEADY_S * as_rate(sampling_rate_hz)))
     in_plane = ndimage.uniform_filter1d(acc[:, :2], width, axis=0)
     return np.unwrap(np.arctan2(in_plane[:, 1], in_plane[:, 0]))
 
@@ -156,7 +157,7 @@ def without_arm(
     (n, 3) array, m/s²
     """
     acc = np.array(as_vectors(acc_wheel_mps2, "acc_wheel_mps2", ndim=2))
-    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    rate = as_rate(sampling_rate_hz)
     spin = ndimage.uniform_filter1d(
         as_series(spin_radps, "spin_radps", length=len(acc)), max(1, round(STEADY_S * rate))
     )
@@ -192,7 +193,7 @@ def spin_fit(
     """
     acc = as_vectors(acc_wheel_mps2, "acc_wheel_mps2", ndim=2)
     spin = as_series(spin_radps, "spin_radps", length=len(acc))
-    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    rate = as_rate(sampling_rate_hz)
     acc = without_arm(acc, spin, rate)
     turned = np.cumsum(spin) / rate
     angle = -upward_angle(acc, rate)
@@ -280,7 +281,7 @@ def yaw_rate_of_wheel(
     """
     gyr = as_vectors(gyr_wheel_radps, "gyr_wheel_radps", ndim=2)
     acc = as_vectors(acc_wheel_mps2, "acc_wheel_mps2", length=len(gyr))
-    rate = as_number(sampling_rate_hz, "sampling_rate_hz")
+    rate = as_rate(sampling_rate_hz)
     acc = without_arm(acc, gyr[:, 2], rate)
     up = up_in_plane(acc[:, :2], gyr[:, 2], rate)
     upward = (gyr[:, :2] * up).sum(axis=1)

@@ -15,11 +15,18 @@ from numpy.typing import ArrayLike
 from scipy import ndimage
 
 from mobility_imu.arguments import check_limits, expect
-from mobility_imu.frames import FloatArray, as_number, as_series, check_positive
+from mobility_imu.frames import (
+    FloatArray,
+    as_floats,
+    as_number,
+    as_series,
+    as_vectors,
+    check_positive,
+)
 from mobility_imu.offsets import UNKNOWN_OFFSET_SD_RADPS, GyroscopeOffset
 from mobility_imu.wheelchair.geometry import SIDES, Side, WheelchairGeometry
 from mobility_imu.wheelchair.mount import WheelchairMount
-from mobility_imu.wheelchair.series import alike
+from mobility_imu.wheelchair.series import alike, as_rate
 
 __all__ = [
     "AssumedErrors",
@@ -172,8 +179,9 @@ def frame_yaw_standard_deviation(
     -------
     (n,) array, rad/s
     """
+    expect("mount", mount, WheelchairMount)
     return _rate_standard_deviation(
-        np.asarray(rates_chair_radps),
+        as_vectors(rates_chair_radps, "rates_chair_radps", ndim=2),
         mount.rotation_frame_imu_to_chair[2],
         sampling_rate_hz,
         offset,
@@ -189,6 +197,8 @@ def _rate_standard_deviation(
     errors: AssumedErrors,
 ) -> FloatArray:
     """Of the rate about z, rad/s; ``axis_imu`` is z in the sensor's axes."""
+    expect("offset", offset, GyroscopeOffset, none=True)
+    expect("errors", errors, AssumedErrors)
     constant = UNKNOWN_OFFSET_SD_RADPS, UNKNOWN_NOISE_RADPS
     if offset is not None:
         constant = offset.sd_along(axis_imu), offset.noise_along(axis_imu)
@@ -275,7 +285,9 @@ def _wheel_part(
 ) -> tuple[FloatArray, float]:
     """Part of the wheel's radius and gyroscope, m/s, and the wheel centre's place, m."""
     expect("geometry", geometry, WheelchairGeometry)
-    rates, yaw = np.asarray(rates_wheel_radps), np.asarray(yaw_rate_radps)
+    expect("mount", mount, WheelchairMount)
+    rates = as_vectors(rates_wheel_radps, "rates_wheel_radps", ndim=2)
+    yaw = as_floats(yaw_rate_radps, "yaw_rate_radps")
     radius = geometry.wheel_radius_m.of(side)
     axle_sd = _rate_standard_deviation(
         rates, mount.rotation_imu_to_wheel(side)[2], sampling_rate_hz, offset, errors
@@ -348,7 +360,7 @@ def root_mean_square_over_a_push(values: ArrayLike, sampling_rate_hz: float) -> 
     -------
     (n,) array in the unit of the values
     """
-    window = max(1, round(PUSH_S * as_number(sampling_rate_hz, "sampling_rate_hz")))
+    window = max(1, round(PUSH_S * as_rate(sampling_rate_hz)))
     with np.errstate(over="ignore"):
         mean_square = ndimage.uniform_filter1d(np.square(as_series(values, "values")), window)
     return np.asarray(np.sqrt(np.maximum(mean_square, 0.0)))

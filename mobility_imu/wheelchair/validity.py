@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.frames import FloatArray, as_count, as_flags
-from mobility_imu.runs import runs_of
+from mobility_imu.runs import runs_of, some_flags
 
 __all__ = ["known_tasks", "on_unknown"]
 
@@ -31,7 +31,8 @@ def known_tasks(known: ArrayLike, segment: int) -> NDArray[np.bool_]:
     >>> known_tasks([1, 1, 1, 0, 1, 1, 1], 2).tolist()
     [True, True, False, False, False, True, True]
     """
-    flags, segment = as_flags(known, "known", length=np.size(known)), as_count(segment, "segment")
+    flags = some_flags(known, "known")
+    segment = min(as_count(segment, "segment"), len(flags))
     total = np.r_[0, np.cumsum(~flags)]
     index, last = np.arange(len(flags)), len(flags)
     unknown = total[np.minimum(index + segment, last)] - total[np.maximum(index - segment + 1, 0)]
@@ -50,6 +51,7 @@ def on_unknown(time_s: FloatArray, known: NDArray[np.bool_]) -> tuple[str, ...]:
     -------
     tuple of str, empty if all are
     """
+    known = as_flags(known, "known", length=len(time_s))
     runs = runs_of(~known)
     if not runs:
         return ()

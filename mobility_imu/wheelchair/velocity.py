@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import check_columns, expect, for_each, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number, as_series, as_vectors, one_of
+from mobility_imu.fields import check_fields
+from mobility_imu.frames import FloatArray, as_floats, as_number, as_series, as_vectors, one_of
 from mobility_imu.offsets import (
     GyroscopeOffset,
     merge_offsets,
@@ -317,8 +318,11 @@ class ChairVelocity(Result):
         rates = ("yaw_rate_radps", "wheel_yaw_rate_radps", "yaw_rate_sd_radps")
         speeds = ("linear_velocity_mps", "linear_velocity_sd_mps")
         if self.valid is None:
-            object.__setattr__(self, "valid", np.ones(len(self.time_s), np.bool_))
+            known = np.ones(as_floats(self.time_s, "time_s").size, np.bool_)
+            object.__setattr__(self, "valid", known)
         check_columns(self, "time_s", *speeds, *rates, flags=("slip", "valid"))
+        object.__setattr__(self, "offsets", as_offsets(self.offsets))
+        check_fields(self)
         super().__post_init__()
 
     def __len__(self) -> int:
