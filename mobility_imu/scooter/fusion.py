@@ -3,8 +3,8 @@
 The two controls are hinges: what the lever's gyroscope reads beyond the body's is their motion.
 An extended Kalman filter integrates that, corrects it with eq. 5 sample by sample, and learns what
 is constant: the sensors' offsets, scales and misalignments, and the lever arms between them. A
-Rauch-Tung-Striebel pass then lets each angle use the whole recording. A complementary filter stands
-beside it, as a simpler baseline.
+Rauch-Tung-Striebel pass then lets each angle use the whole recording. Beside it is a complementary
+filter, a simpler baseline.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
 from mobility_imu._compiled import choose, compiled
-from mobility_imu.arguments import settings_or_default
+from mobility_imu.arguments import check_columns, settings_or_default
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number, as_vectors
+from mobility_imu.fields import check_fields
+from mobility_imu.frames import FloatArray, as_number, as_vectors, one_of
 from mobility_imu.hinges import column_vector, hinge_rates, steered
 from mobility_imu.results import Result
 from mobility_imu.scooter.angles import check_gravity, three_axis_angles
@@ -103,6 +104,11 @@ class FusedAngles(Result):
         ``LARGEST_VALID_SD_RAD``
     settings : FusionSettings, with what was taken from the recording
     warnings : sentences for the user
+
+    Raises
+    ------
+    InputError
+        Columns that are no series of one length, or other fields of a wrong kind.
     """
 
     steering_rad: FloatArray
@@ -112,6 +118,13 @@ class FusedAngles(Result):
     valid: NDArray[np.bool_]
     settings: FusionSettings
     warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check every field."""
+        angles = ("steering_rad", "throttle_rad", "steering_sd_rad", "throttle_sd_rad")
+        check_columns(self, *angles, flags=("valid",))
+        check_fields(self, settings=FusionSettings)
+        super().__post_init__()
 
     def to_frame(self) -> pd.DataFrame:
         """Table in degrees with steering_deg, throttle_deg, their sd, and valid."""
@@ -227,6 +240,7 @@ def fuse_angles(
         with gravity in the wrong direction, or 0 in the first half second.
     """
     settings = settings_or_default("settings", settings, FusionSettings)
+    one_of("smooth", smooth, (False, True))
     readings, rate_hz = _checked(
         lever_acc_mps2, lever_gyr_radps, body_acc_mps2, body_gyr_radps, sampling_rate_hz, geometry
     )
@@ -243,10 +257,8 @@ def fuse_angles(
         angles, sd, constants = last.angles, last.sd, last.constants
     sd = np.sqrt(sd**2 + _added_variance(angles, settings, rate_hz, smooth))
     valid = np.isfinite(angles).all(axis=1) & (sd[:, 0] < LARGEST_VALID_SD_RAD)
-    return FusedAngles(
-        angles[:, 0].copy(), angles[:, 1].copy(), sd[:, 0].copy(), sd[:, 1].copy(), valid, settings,
-        unlikely_constant(constants, settings),
-    )  # fmt: skip
+    said = unlikely_constant(constants, settings)
+    return FusedAngles(angles[:, 0], angles[:, 1], sd[:, 0], sd[:, 1], valid, settings, said)
 
 
 class _Loops(NamedTuple):

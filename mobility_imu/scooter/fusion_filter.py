@@ -132,7 +132,7 @@ class Chunk(NamedTuple):
 
 
 @compiled()
-def add_block(matrix: FloatArray, row: int, column: int, block: FloatArray, factor: float) -> None:
+def _add_block(matrix: FloatArray, row: int, column: int, block: FloatArray, factor: float) -> None:
     """Add a block to a part of a matrix. A slice would do; it takes seconds more to compile.
 
     Parameters
@@ -244,10 +244,10 @@ def predict(
     for at, rate, by_rate in ((0, lever_rate, by_lever), (BODY, body_rate, by_body)):
         # Columns of reading_errors are offset, scale, misalignment.
         columns = dt * (by_rate @ reading_errors(rate))
-        add_block(v, 0, at + 12, columns[:, :3], -1.0)
-        add_block(v, 0, at + 9, columns[:, 3:6], -1.0)
-        add_block(v, 0, at + 6, columns[:, 6:], -1.0)
-        add_block(v, 0, at + 15, columns[:, 6:], -1.0)
+        _add_block(v, 0, at + 12, columns[:, :3], -1.0)
+        _add_block(v, 0, at + 9, columns[:, 3:6], -1.0)
+        _add_block(v, 0, at + 6, columns[:, 6:], -1.0)
+        _add_block(v, 0, at + 15, columns[:, 6:], -1.0)
     for i in range(2):
         p[i, i] += model.drift[0]
         p[2 + i, 2 + i] += model.drift[1]
@@ -299,11 +299,11 @@ def _measurement(
     by_c = np.zeros((3, CONSTANTS))
     for i in range(3):
         h[i, 4 + i] = 1.0
-    add_block(by_c, 0, 0, reading_errors(np.array([sx, sy, sz])), 1.0)
-    add_block(by_c, 0, BODY, turn @ errors, -1.0)
-    add_block(by_c, 0, ARMS, arm_acceleration(lever, spin), 1.0)
-    add_block(by_c, 0, ARMS + 3, turn @ arm_acceleration(body, body_spin), -1.0)
-    add_block(by_c, 0, ARMS + 6, arm_acceleration(column, column_spin) @ to_lever, 1.0)
+    _add_block(by_c, 0, 0, reading_errors(np.array([sx, sy, sz])), 1.0)
+    _add_block(by_c, 0, BODY, turn @ errors, -1.0)
+    _add_block(by_c, 0, ARMS, arm_acceleration(lever, spin), 1.0)
+    _add_block(by_c, 0, ARMS + 3, turn @ arm_acceleration(body, body_spin), -1.0)
+    _add_block(by_c, 0, ARMS + 6, arm_acceleration(column, column_spin) @ to_lever, 1.0)
     residual = inputs.lever_acc[k] - turn @ inputs.body_acc[k] - by_c @ c - x[4:]
     return residual, h, by_c
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, check_positive
+from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_series, check_positive
 
 __all__ = ["FusionSettings"]
 
@@ -139,8 +139,16 @@ class FusionSettings:
         Returns
         -------
         FusionSettings
+
+        Raises
+        ------
+        InputError
+            If the standard deviations are no six numbers of 0 or more.
         """
-        part = float(np.median(mount_sd_rad)) / 2**0.5
+        found = as_series(mount_sd_rad, "mount_sd_rad", length=6)
+        if found.min() < 0:
+            raise InputError(f"mount_sd_rad = {found.min():g}: expected no negative number")
+        part = float(np.median(found)) / 2**0.5
         sizes = {
             "acc_offset_sd_mps2": part * STANDARD_GRAVITY_MPS2,
             "acc_scale_sd": part,

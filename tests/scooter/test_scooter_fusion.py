@@ -412,3 +412,32 @@ def test_specific_force_needs_arrays_that_fit():
     ):
         with pytest.raises(InputError, match=words):
             move_specific_force(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"steering_rad": None}, "FusedAngles.steering_rad"),
+        ({"throttle_sd_rad": np.zeros(3)}, r"FusedAngles.throttle_sd_rad: expected shape \(2,\)"),
+        ({"valid": [0.5, 1]}, "FusedAngles.valid"),
+        ({"settings": None}, "FusedAngles.settings: got NoneType"),
+        ({"warnings": 3}, "FusedAngles.warnings: got 3"),
+    ],
+)
+def test_angles_that_a_script_makes_are_checked(change, says):
+    rad = np.zeros(2)
+    made = fusion.FusedAngles(rad, rad, rad, rad, rad == 0, FusionSettings())
+    with pytest.raises(InputError, match=says):
+        replace(made, **change)
+
+
+@pytest.mark.parametrize("smooth", [3, None, [1, 2], np.array([True, False])], ids=str)
+def test_smoothing_is_on_or_off(smooth):
+    with pytest.raises(InputError, match="smooth = "):
+        fuse_angles(*parked(), 100.0, SUZUKI_ET4D, smooth=smooth)
+
+
+@pytest.mark.parametrize("sd", [None, "abc", 3, np.zeros(5), np.full(6, np.nan), -np.ones(6)])
+def test_deviations_of_a_mount_are_six(sd):
+    with pytest.raises(InputError, match="mount_sd_rad"):
+        FusionSettings().after_calibration(sd)
