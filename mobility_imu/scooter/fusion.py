@@ -1,10 +1,9 @@
 """Steering and throttle angles from accelerometers and gyroscopes together.
 
-The two controls are hinges: what the lever's gyroscope reads beyond the body's is their motion.
-An extended Kalman filter integrates that, corrects it with eq. 5 sample by sample, and learns what
-is constant: the sensors' offsets, scales and misalignments, and the lever arms between them. A
-Rauch-Tung-Striebel pass then lets each angle use the whole recording. Beside it is a complementary
-filter, a simpler baseline.
+The controls are hinges: what the lever's gyroscope reads beyond the body's is their motion. An
+extended Kalman filter integrates that, corrects it with eq. 5 sample by sample, and learns what is
+constant: the sensors' offsets, scales and misalignments, and the lever arms between them. A smoother
+(Rauch-Tung-Striebel) lets each angle use the whole recording; a simpler filter is the baseline.
 """
 
 from __future__ import annotations
