@@ -2,7 +2,7 @@
 
 The controls are hinges: what the lever's gyroscope reads beyond the body's is their motion. An
 extended Kalman filter integrates that, corrects it with eq. 5 sample by sample, and learns what is
-constant: the sensors' offsets, scales and misalignments, and the lever arms between them. A smoother
+constant: offsets, scales and misalignments of the sensors, and the lever arms between. A smoother
 (Rauch-Tung-Striebel) lets each angle use the whole recording; a simpler filter is the baseline.
 """
 
