@@ -27,7 +27,7 @@ LAYERS = (
     {"runs", "results"},
     {"rotations", "filters", "recording"},
     {"hinges", "quality", "readers", "arguments"},
-    {"offsets"},
+    {"offsets", "unit_changes"},
     {"datasets", "faults"},
     {"health"},
     set(DEVICES),

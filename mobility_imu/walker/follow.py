@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_flags, one_of, shown
+from mobility_imu.health import unit_faults
 from mobility_imu.offsets import rest_offsets
 from mobility_imu.quality import frozen_samples, saturated_samples
 from mobility_imu.recording import Recording
@@ -23,7 +24,6 @@ from mobility_imu.walker.navigation import (
     navigate,
 )
 from mobility_imu.walker.stillness import StillnessSettings, find_stillness
-from mobility_imu.walker.unit_changes import find_unit_change
 
 __all__ = ["as_sentences", "checked_options", "navigate_recording"]
 
@@ -234,9 +234,9 @@ def _check_rate_and_size(recording: Recording) -> None:
             f"{recording.source}: {rate_hz:g} samples per second, expected {LEAST_RATE_HZ:g} or "
             "more (is time_s in ms?)"
         )
-    change = find_unit_change(recording)
-    if change is not None:
-        raise InputError(change.sentence)
+    units = unit_faults(recording, "frame")
+    if units:
+        raise InputError("; ".join(fault.sentence for fault in units))
     beyond = np.abs(acc) > LARGEST_ACC_MPS2
     if beyond.any():
         k, axis = (int(index[0]) for index in np.nonzero(beyond))

@@ -43,6 +43,8 @@ be; the whole part; the mean readings beside an edge; and the part of the ratio 
 sample to the next. With them all but 2 of 333 parts of simulated walks are found (seeds from
 910,000 on; all of 247 on others), and nothing in 198 sensors of real recordings and 320 simulated
 ones without a fault. A gyroscope that is 30 times too large is none (1.9)."""
+CLEARLY_OFF = 1.0
+"""Mean readings beside an edge that are so far off, as a logarithm, may be a move that begins."""
 MOST_REPEATED = 0.3
 """Part of a window's changes that may be none: from one half on, their median would be chance."""
 HOLDS_MOVES, MOVES, SAME_MOVES = 20, 0.9, float(np.log(4.0))
@@ -67,10 +69,16 @@ class UnitChange(NamedTuple):
     ----------
     spans_s : pairs of start and stop, s, one for each part, to a hundredth of a second or two
     sentence : for the user
+    half : "acc" or "gyr"
+    flags : (n,) bool array, the samples of the parts
+    factor : that they are to be multiplied by
     """
 
     spans_s: tuple[tuple[float, float], ...]
     sentence: str
+    half: str
+    flags: NDArray[np.bool_]
+    factor: float
 
 
 class _Part(NamedTuple):
@@ -120,7 +128,7 @@ def find_unit_change(recording: Recording, name: str = "frame") -> UnitChange | 
     Parameters
     ----------
     recording : Recording
-    name : sensor on what does not spin
+    name : of the sensor
 
     Returns
     -------
@@ -140,18 +148,18 @@ def find_unit_change(recording: Recording, name: str = "frame") -> UnitChange | 
     large, small = _parts(half)
     if large:
         off = [abs(_level(half, each) - np.log(STANDARD_GRAVITY_MPS2)) for each in (large, small)]
-        return _stated(recording, f"{name}_acc", large if off[0] > off[1] else small)
+        return _stated(recording, name, "acc", large if off[0] > off[1] else small)
     if imu.gyr_radps is None:
         return None
     large, small = _parts(_gyroscope(imu.gyr_radps, imu.acc_mps2, width))
     if not large:
         return None
-    return _stated(recording, f"{name}_gyr", _wrong_rates(recording, name, width, large, small))
+    return _stated(recording, name, "gyr", _wrong_rates(recording, name, width, large, small))
 
 
 def _accelerometer(acc_mps2: FloatArray, width: int) -> _Half:
     size = np.log(np.maximum(np.linalg.norm(acc_mps2, axis=1), SMALLEST))
-    ratio = float(np.log(STANDARD_GRAVITY_MPS2))
+    ratio = float(np.log(UNITS["acc"]))
     return _Half(acc_mps2, size, np.zeros(len(size)), width, ratio, OFF_ACC, *MEAN_OFF_ACC)
 
 
@@ -160,7 +168,7 @@ def _gyroscope(gyr_radps: FloatArray, acc_mps2: FloatArray, width: int) -> _Half
     # Of coarse steps the quiet windows say nothing: any may be as quiet as half of them are.
     shaking = np.log(np.maximum(shaking, max(LEAST_SHAKING_MPS2, float(np.median(shaking)))))
     size = np.log(np.maximum(_changing(gyr_radps), SMALLEST))
-    ratio = float(np.log(np.rad2deg(1.0)))
+    ratio = float(np.log(UNITS["gyr"]))
     mean = ndimage.uniform_filter1d(gyr_radps, width, axis=0)
     turning = np.log(np.maximum(np.linalg.norm(mean, axis=1), SMALLEST)) - size
     return _Half(gyr_radps, size, shaking, width, ratio, OFF_GYR, *MEAN_OFF_GYR, turning)
@@ -183,18 +191,22 @@ def _parts(half: _Half) -> tuple[list[_Part], list[_Part]]:
     ]
     windows = _windows(half)
     found: dict[int, list[_Part]] = {1: [], -1: []}
-    for part in sorted(pairs, key=_samples):
+    # An edge at which a move begins may be none; of the others, the nearest belong together.
+    apart = {part: off for part in pairs if (off := _apart(half, part)) < np.inf}
+    for part in sorted(apart, key=lambda part: (apart[part] > CLEARLY_OFF, _samples(part))):
         mine = found[part.sign]
         if any(part.start < other.stop and other.start < part.stop for other in mine):
             continue
-        if _goes_on(half, part) and _is_off(half, windows, part, [part]):
+        if _is_off(half, windows, part, [part]):
             mine.append(part)
     best: tuple[list[_Part], list[_Part]] = ([], [])
     for sign, parts in found.items():
         both = sorted(parts), _others(sorted(parts), count, -sign)
         # What is more is what the other is held against.
         less, more = sorted(both, key=_samples)
-        sure = all(_goes_on(half, p) and _is_off(half, windows, p, less) for p in less)
+        sure = all(
+            _apart(half, part) < np.inf and _is_off(half, windows, part, less) for part in less
+        )
         if sure and parts and len(less) + len(more) > len(best[0]) + len(best[1]):
             best = (both[0], both[1]) if sign > 0 else (both[1], both[0])
     return best
@@ -246,10 +258,11 @@ def _sharpened(sizes: FloatArray, near: int, width: int) -> int:
     return int((first + count)[close][np.argmin(unlikely[close])])
 
 
-def _goes_on(half: _Half, part: _Part) -> bool:
-    """Whether the readings go on over an edge but for the unit, which noise that is added does not.
+def _apart(half: _Half, part: _Part) -> float:
+    """How far the means beside the edges are from being the same but for the unit, as a logarithm.
 
-    An edge at which a move begins says nothing of it; then the moves on both sides are compared.
+    Infinite if they are not: with noise that is added they stay. An edge at which a move begins
+    says nothing of it; then the moves on both sides are compared.
     """
     width = max(3, min(half.width, part.stop - part.start - 2 * GUARD))
     off = []
@@ -264,15 +277,15 @@ def _goes_on(half: _Half, part: _Part) -> bool:
         off.append(abs(sign * (after - before) - half.ratio))
         near = slice(edge - GUARD, edge + GUARD)
         if np.abs(np.diff(half.size[near])).max() < half.sharp * half.ratio:
-            return False
+            return np.inf
     if not off or min(off) < half.off_edge:
-        return True
+        return max(off, default=0.0)
     if half.turning is None or part.stop - part.start < HOLDS_MOVES * half.width:
-        return False
+        return np.inf
     inside = np.zeros(len(half.size), np.bool_)
     inside[part.start : part.stop] = True
     mine, others = (np.quantile(half.turning[each], MOVES) for each in (inside, ~inside))
-    return bool(abs(mine - others) < SAME_MOVES)
+    return max(off) if abs(mine - others) < SAME_MOVES else np.inf
 
 
 class _Windows(NamedTuple):
@@ -368,18 +381,23 @@ WORDS = {
     ("gyr", -1): ("57 times less", "was it converted from deg/s twice"),
 }
 """How much more, or less, a half reads, and in which unit it may be."""
+UNITS = {"acc": STANDARD_GRAVITY_MPS2, "gyr": float(np.rad2deg(1.0))}
+"""Ratio of the units of each half: m/s² in a g, deg in a rad."""
 
 
-def _stated(recording: Recording, label: str, parts: list[_Part]) -> UnitChange:
-    time_s = recording.time_s
+def _stated(recording: Recording, name: str, half: str, parts: list[_Part]) -> UnitChange:
+    time_s, sign = recording.time_s, parts[0].sign
+    flags = np.zeros(len(time_s), np.bool_)
+    for part in parts:
+        flags[part.start : part.stop] = True
     spans = tuple(
         (float(time_s[part.start]), float(time_s[min(part.stop, len(time_s) - 1)]))
         for part in parts
     )
     times = " and from ".join(f"{start:.2f} to {stop:.2f} s" for start, stop in spans)
-    size, unit = WORDS[label[-3:], parts[0].sign]
-    return UnitChange(
-        spans,
-        f"{recording.source}: {label} reads about {size} from {times} than elsewhere: {unit} "
-        "there? Convert these rows",
+    size, unit = WORDS[half, sign]
+    sentence = (
+        f"{recording.source}: {name}_{half} reads about {size} from {times} than elsewhere: {unit} "
+        "there? Convert these rows"
     )
+    return UnitChange(spans, sentence, half, flags, UNITS[half] ** -sign)

@@ -7,9 +7,9 @@ from mobility_imu.data import recordings_folder
 from mobility_imu.errors import InputError
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.unit_changes import find_unit_change
 from mobility_imu.walker import WalkerMount, calibrate_mount, estimate_trajectory
 from mobility_imu.walker.geometry import FOOTPRINT as FRAME
-from mobility_imu.walker.unit_changes import find_unit_change
 
 DEG, G = np.rad2deg(1.0), 9.80665
 TRUE_MOUNT = recordings_folder() / "walker_corridor" / "true_mount.toml"
