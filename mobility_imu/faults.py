@@ -435,6 +435,27 @@ def multiplied(recording: Recording, sensor: str, half: str, factors: ArrayLike)
     return with_half(recording, sensor, half, values * each)
 
 
+def rescaled(
+    recording: Recording, sensor: str, half: str, flags: NDArray[np.bool_], factor: float
+) -> Recording:
+    """Recording in which some samples of one half are multiplied (another unit).
+
+    Parameters
+    ----------
+    recording : Recording
+    sensor : name
+    half : "acc" or "gyr"
+    flags : (n,) bool array, the samples that are multiplied
+    factor : number
+
+    Returns
+    -------
+    Recording
+    """
+    values = half_of(recording, sensor, half) * np.where(flags, factor, 1.0)[:, None]
+    return with_half(recording, sensor, half, values)
+
+
 def shifted(
     recording: Recording, sensor: str, lag_s: float, *, half: str | None = None
 ) -> Recording:

@@ -2,7 +2,8 @@
 
 :func:`examine` looks for faults that change a result without stopping it: a sensor that repeats its
 last sample, an axis that says nothing, single readings far off, a range that is cut, a gyroscope
-whose signs do not fit the accelerometer beside it, two sensors with the same data.
+whose signs do not fit the accelerometer beside it, a half that is in another unit for a while, two
+sensors with the same data.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ from mobility_imu.faults import (
     interpolated,
     multiplied,
     reaches_an_end,
+    repaired_where_possible,
+    rescaled,
     widened,
     with_half,
 )
@@ -49,6 +52,7 @@ from mobility_imu.quality import (
 )
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.runs import FEWEST_VALUES, long_runs, runs_of
+from mobility_imu.unit_changes import find_unit_change
 
 LONGEST_STILL_GYR_S = 1.0
 """A gyroscope that says the same number for longer, while gravity turns beside it, is dead."""
@@ -105,7 +109,9 @@ def examine(recording: Recording) -> tuple[Fault, ...]:
     tuple of Fault, empty if nothing was found
     """
     expect("recording", recording, Recording)
-    found: list[Fault] = []
+    found = [fault for name in recording.sensors for fault in unit_faults(recording, name)]
+    # The edges of a part in another unit, and the readings in it, look like other faults.
+    recording = repaired_where_possible(found, recording)
     for name, imu in recording.sensors.items():
         own = list(_halves(recording, name, imu))
         found += own
@@ -114,6 +120,42 @@ def examine(recording: Recording) -> tuple[Fault, ...]:
             found += _reversed(recording, name, imu.acc_mps2, imu.gyr_radps, lost)
     found += _copies(recording)
     return tuple(found)
+
+
+def unit_faults(recording: Recording, name: str) -> list[Fault]:
+    """Halves of a sensor that are in another unit for a while; the gyroscope beside a mended force.
+
+    Parameters
+    ----------
+    recording : Recording
+    name : of the sensor
+
+    Returns
+    -------
+    list of Fault
+    """
+    found: list[Fault] = []
+    while change := find_unit_change(repaired_where_possible(found, recording), name):
+        label = f"{name}_{change.half}"
+        if any(fault.sensor == label for fault in found):
+            break
+        repair = partial(
+            rescaled, sensor=name, half=change.half, flags=change.flags, factor=change.factor
+        )
+        seconds = float(change.flags.sum() / recording.sampling_rate_hz)
+        found.append(
+            Fault(
+                "unit",
+                label,
+                change.spans_s[0][0],
+                change.flags,
+                change.sentence,
+                seconds,
+                "s",
+                repair,
+            )
+        )
+    return found
 
 
 def _halves(recording: Recording, name: str, imu: Imu) -> Iterator[Fault]:

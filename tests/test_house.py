@@ -27,7 +27,7 @@ LAYERS = (
     {"runs", "results", "executors", "names"},
     {"rotations", "filters", "recording"},
     {"hinges", "quality", "readers", "arguments"},
-    {"offsets", "fields"},
+    {"offsets", "fields", "unit_changes"},
     {"datasets", "faults"},
     {"health"},
     set(DEVICES),

@@ -28,7 +28,7 @@ from mobility_imu.faults import (
     with_costs,
 )
 from mobility_imu.frames import FloatArray, as_flags, wrap_angle
-from mobility_imu.health import examine, fault_of, single_spikes
+from mobility_imu.health import examine, fault_of, single_spikes, unit_faults
 from mobility_imu.recording import Recording
 from mobility_imu.runs import FEWEST_VALUES, runs_of
 from mobility_imu.scooter.contradictions import SHORTEST_S, Contradictions, contradictions
@@ -303,6 +303,10 @@ def _alone(
     mount: ScooterMount | None,
 ) -> Iterator[Fault]:
     """Faults that one sensor shows by itself."""
+    units = [fault for name in names for fault in unit_faults(recording, name)]
+    yield from units
+    # A part in g has no gravity, and so on: what else is wrong shows once it is converted.
+    recording = repaired_where_possible(units, recording)
     spiky, told, broken = set(), dict[str, NDArray[np.bool_]](), set()
     dead = {f"{name}_acc": weightless(recording, name) for name in names}
     for fault in (held for name in names for held in held_faults(recording, name)):

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from mobility_imu.arguments import expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_flags, one_of, shown
+from mobility_imu.health import unit_faults
 from mobility_imu.offsets import rest_offsets
 from mobility_imu.quality import frozen_samples, saturated_samples
 from mobility_imu.recording import Recording
@@ -23,7 +24,6 @@ from mobility_imu.walker.navigation import (
     navigate,
 )
 from mobility_imu.walker.stillness import StillnessSettings, find_stillness
-from mobility_imu.walker.unit_changes import find_unit_change
 
 __all__ = ["as_sentences", "checked_options", "navigate_recording"]
 
@@ -76,7 +76,7 @@ def navigate_recording(
     ------
     InputError
         If there is no rest within the first seconds, a reading is larger than any sensor's, the
-        rate is too low, the gyroscope's unit changes on the way, or ``closed_loop`` is asked for
+        rate is too low, the unit of a half changes on the way, or ``closed_loop`` is asked for
         without the smoother.
     """
     settings, stillness, known = checked_options(
@@ -226,7 +226,7 @@ def _stated(offset_radps: FloatArray) -> str:
 
 
 def _check_rate_and_size(recording: Recording) -> None:
-    """Check the sampling rate, that no force is larger than any sensor's, and the rates' unit."""
+    """Check the sampling rate, both halves' units, and that no force is larger than a sensor's."""
     acc = recording.sensor("frame", gyroscope=True).acc_mps2
     rate_hz = recording.sampling_rate_hz
     if not LEAST_RATE_HZ <= rate_hz:
@@ -234,6 +234,9 @@ def _check_rate_and_size(recording: Recording) -> None:
             f"{recording.source}: {rate_hz:g} samples per second, expected {LEAST_RATE_HZ:g} or "
             "more (is time_s in ms?)"
         )
+    units = unit_faults(recording, "frame")
+    if units:
+        raise InputError("; ".join(fault.sentence for fault in units))
     beyond = np.abs(acc) > LARGEST_ACC_MPS2
     if beyond.any():
         k, axis = (int(index[0]) for index in np.nonzero(beyond))
@@ -242,9 +245,6 @@ def _check_rate_and_size(recording: Recording) -> None:
             f"{recording.time_s[k]:g} s (sample {k}), more than such a sensor measures "
             f"({LARGEST_ACC_MPS2:g}); {int(beyond.sum())} such reading(s): correct or remove them"
         )
-    change = find_unit_change(recording)
-    if change is not None:
-        raise InputError(change.sentence)
 
 
 def _faulty_samples(

@@ -54,6 +54,9 @@ Form = Literal["corrected", "printed"]
 
 # A chair that stands still shows sensor noise only: a few 0.01 rad/s.
 LARGEST_STILL_RATE_RADPS = 0.1
+# Gravity turns so far with a wheel that rolls, or a frame that is tipped, by 6 deg. Of six real
+# chairs at rest, wheels have up to 0.8 and frames up to 0.5. A mean leaves out knocks.
+LARGEST_STILL_CHANGE_MPS2, STILL_SMOOTHING_S = 1.0, 0.25
 # Half a turn of the wheel is one push; less than that does not show its axle.
 SMALLEST_TRAVEL_RAD = np.pi
 # In a straight line a wheel's gyroscope sees its axle only; turning shows up across it.
@@ -265,14 +268,15 @@ def calibrate_mount(
     Raises
     ------
     InputError
-        If the static trial moves, or the straight-line trial is too short or turns; the message
-        gives the number that shows it.
+        If the frame turns or all wheels roll in the static trial, or the straight-line trial is too
+        short or turns; the message gives the number that shows it.
     """
     expect("static", static, Recording)
     expect("straight", straight, Recording)
     one_of("take_off_offsets", take_off_offsets, (True, False))
     at_rest = _offsets(static) if take_off_offsets else {}
     up = _up(without_offsets(static, at_rest))
+    moved = _moved_at_rest(without_offsets(static, _offsets(static)))
     present = [side for side in SIDES if f"{side}_wheel" in straight.sensors]
     offsets = merge_offsets(_offsets(straight), at_rest) if take_off_offsets else {}
     warnings = (
@@ -314,6 +318,7 @@ def calibrate_mount(
                 if side not in axles
             ),
             *part_used,
+            *moved,
             *warnings,
         ),
     )
@@ -434,6 +439,46 @@ def _up(static: Recording) -> FloatArray:
         )
     resting = static.sensor("frame").acc_mps2.mean(axis=0)
     return alignment_matrix(*frame_alignment_angles(resting))[:, 2]
+
+
+def _moved_at_rest(static: Recording) -> tuple[str, ...]:
+    """Sentences on a static trial in which one wheel turns, or the frame is moved without a turn.
+
+    An offset reads like a turn, but gravity stays. A chair that rolls speeds up, and its mean
+    acceleration is not up: then all wheels turn, which is refused.
+    """
+    rates, changes = {}, {}
+    fs = static.sampling_rate_hz
+    for name in ("frame", *(f"{side}_wheel" for side in SIDES)):
+        imu = static.sensors.get(name)
+        if imu is None or imu.gyr_radps is None:
+            continue
+        force = ndimage.uniform_filter1d(
+            imu.acc_mps2, max(1, round(STILL_SMOOTHING_S * fs)), axis=0
+        )
+        rates[name] = float(np.sqrt(np.mean(np.square(imu.gyr_radps)) * 3))
+        changes[name] = float(np.ptp(force, axis=0).max())
+    wheels = [name for name in rates if name != "frame"]
+    turning = [
+        name
+        for name in wheels
+        if rates[name] > LARGEST_STILL_RATE_RADPS and changes[name] > LARGEST_STILL_CHANGE_MPS2
+    ]
+    sentences = [
+        f"{static.source}: the {name.replace('_', ' ')} turns at {rates[name]:.2f} rad/s (root "
+        f"mean square), expected less than {LARGEST_STILL_RATE_RADPS} rad/s in the static trial"
+        for name in turning
+    ]
+    cut = "cut the trial to the seconds in which the chair stands"
+    if turning and turning == wheels:
+        raise InputError(f"{sentences[0]}: the chair rolls; {cut}")
+    if changes["frame"] > LARGEST_STILL_CHANGE_MPS2:
+        sentences.append(
+            f"{static.source}: the frame's acceleration changes by {changes['frame']:.1f} m/s², "
+            f"expected less than {LARGEST_STILL_CHANGE_MPS2:g} m/s² in the static trial: the chair "
+            "is carried, tipped or pushed"
+        )
+    return tuple(f"{sentence}; {cut}, or record it again" for sentence in sentences)
 
 
 def _smooth(values: FloatArray, fs: float) -> FloatArray:

@@ -79,7 +79,7 @@ goes with it is theirs."""
 # Below this, track, mismatch of the radii and offset cannot be told apart.
 SMALLEST_INDEPENDENT_PART = 1e-6
 UNJUDGED = frozenset(
-    {"frozen", "dead axis", "copy", "exchanged", "turned", "reversed", "at odds", "clock"}
+    {"frozen", "dead axis", "copy", "exchanged", "turned", "reversed", "at odds", "clock", "unit"}
 )
 """Codes of faults with which turns and wheels say nothing of the geometry, whatever their size. In
 a drive that is mirrored they do: track, radii and camber are the same to the left and the right."""

@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rides import FUSION, mount, ride, unspoilt
+from rides import FUSION, mount, moved_deg, ride, unspoilt
 
 from mobility_imu.errors import InputError
+from mobility_imu.faults import rescaled
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.scooter import (
     SUZUKI_ET4D,
@@ -244,3 +245,18 @@ def test_a_clock_in_another_unit_is_told():
         again = Recording(ride().time_s * factor, ride().sensors, source="r.csv")
         found = estimate_ride(again, SUZUKI_ET4D, mount(), FUSION)
         assert any(words in text for text in found.warnings) == told
+
+
+@pytest.mark.parametrize(
+    ("sensor", "half", "factor"),
+    [("body", "acc", 9.81), ("lever", "acc", 1 / 9.81), ("lever", "gyr", 1 / 57.3)],
+)
+def test_a_part_in_another_unit_is_told_alone_with_its_cost(sensor, half, factor):
+    """The body's accelerometer moved the steering by 28 deg, and nothing was told."""
+    part = (ride().time_s > 6) & (ride().time_s < 12)
+    wrong = rescaled(ride(), sensor, half, part, factor)
+    (found,) = find_faults(wrong, SUZUKI_ET4D, mount(), FUSION)
+    assert (found.code, found.sensor) == ("unit", f"{sensor}_{half}")
+    assert np.isclose(found.first_s, 6.0, atol=0.05) and np.isclose(found.size, 6.0, atol=0.05)
+    moved = moved_deg(estimate_ride(wrong, SUZUKI_ET4D, mount(), FUSION), unspoilt(FUSION))
+    assert np.allclose([cost.largest for cost in found.costs], moved, rtol=0.1, atol=0.5)

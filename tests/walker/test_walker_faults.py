@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from walker_recordings import placed
 
 from mobility_imu.errors import InputError
+from mobility_imu.faults import rescaled
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_kinds import KINDS, TILT_KINDS, clean_walk
 from mobility_imu.reproduction.walker.fault_motions import foot_motion, rolling_motion, shaken
@@ -268,6 +269,20 @@ def test_what_no_path_can_be_found_from_has_the_sensors_faults_alone():
     assert found_in(restless) == ()
     with pytest.raises(InputError, match="no sensor 'frame'"):
         found_in(Recording(recording.time_s, {"lever": recording.sensor("frame")}))
+
+
+def test_a_part_in_another_unit_is_told_where_it_is_no_path():
+    """Of both halves at once, and nothing else."""
+    recording = walked().walk.recording
+    part = np.zeros(len(recording), np.bool_)
+    part[2000:2060] = True
+    both = rescaled(rescaled(recording, "frame", "acc", part, 9.81), "frame", "gyr", part, 1 / 57.3)
+    told = found_in(both)
+    assert [(fault.code, fault.sensor) for fault in told] == [
+        ("unit", "frame_acc"),
+        ("unit", "frame_gyr"),
+    ]
+    assert all(np.count_nonzero(fault.flags ^ part) <= 4 for fault in told)
 
 
 @pytest.mark.parametrize("kind", [*KINDS, *TILT_KINDS])

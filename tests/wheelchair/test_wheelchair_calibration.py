@@ -204,6 +204,62 @@ def test_trials_that_cannot_calibrate_are_refused_with_the_number(
         calibrate_mount(still, line)
 
 
+def moved(static, straight, *names):
+    """A static trial with some sensors of a chair that moves."""
+    count = min(len(static), len(straight))
+    sensors = {}
+    for name in static.sensors:
+        imu = (straight if name in names else static).sensors[name]
+        sensors[name] = Imu(imu.acc_mps2[:count], imu.gyr_radps[:count])
+    return Recording(static.time_s[:count], sensors, source="static")
+
+
+ROLLS = (Leg(1, 1.0), Leg(2, 8.0, 1.0))
+
+
+@pytest.mark.parametrize("noise", [IDEAL, LIKE_SAMPLE])
+def test_a_static_trial_whose_wheels_roll_is_refused_with_their_rate(noise):
+    static, straight, _ = trials(SAMPLE_CHAIR, 8, noise=noise)
+    rolling = trials(SAMPLE_CHAIR, 8, ROLLS, noise)[2].recording
+    with pytest.raises(InputError, match=r"left wheel turns at 2\.98 rad/s .*the chair rolls; cut"):
+        calibrate_mount(rolling, straight.recording)
+    # Wheels that roll beside a frame at rest, as on a lift or on rollers.
+    names = ("left_wheel", "right_wheel")
+    with pytest.raises(InputError, match="the chair rolls"):
+        calibrate_mount(moved(static.recording, rolling, *names), straight.recording)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_wheel_that_is_turned_by_hand_in_the_static_trial_is_told(side):
+    static, straight, _ = trials(SAMPLE_CHAIR, 8, noise=LIKE_SAMPLE)
+    rolling = trials(SAMPLE_CHAIR, 8, ROLLS, LIKE_SAMPLE)[2].recording
+    one = moved(static.recording, rolling, f"{side}_wheel")
+    (text,) = [t for t in calibrate_mount(one, straight.recording).warnings if "static trial" in t]
+    assert f"static: the {side} wheel turns at " in text and "cut the trial" in text
+
+
+def test_a_frame_that_is_carried_in_the_static_trial_is_told():
+    static, straight, _ = trials(SAMPLE_CHAIR, 8, noise=LIKE_SAMPLE)
+    carried = static.recording
+    imu = carried.sensors["frame"]
+    lift = 2 * np.sin(4 * np.pi * carried.time_s)[:, None] * imu.acc_mps2.mean(axis=0) / 9.81
+    sensors = carried.sensors | {"frame": Imu(imu.acc_mps2 + lift, imu.gyr_radps)}
+    told = calibrate_mount(Recording(carried.time_s, sensors), straight.recording).warnings
+    assert any("carried, tipped or pushed; cut the trial" in text for text in told)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_offsets_of_the_wheels_are_no_motion_in_the_static_trial(side):
+    """They read like a turn of 0.2 rad/s, and gravity stays."""
+    static, straight, _ = trials(SAMPLE_CHAIR, 8, noise=LIKE_SAMPLE)
+    imu = static.recording.sensors[f"{side}_wheel"]
+    sensors = static.recording.sensors | {
+        f"{side}_wheel": Imu(imu.acc_mps2, imu.gyr_radps + np.array([0.2, 0, 0]))
+    }
+    shifted = Recording(static.recording.time_s, sensors)
+    assert not calibrate_mount(shifted, straight.recording, take_off_offsets=False).warnings
+
+
 def test_missing_sensor_or_gyroscope_is_named():
     static, straight, drive = trials(SAMPLE_CHAIR, 0)
     calibration = calibrated(static, straight)

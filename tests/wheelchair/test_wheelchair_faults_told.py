@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from faulty import SEED, SENSORS, calibration, drive, look, of_code
+from faulty import SEED, SENSORS, calibration, drive, largest, look, of_code, series
 
+from mobility_imu.faults import rescaled
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.wheelchair.fault_kinds import clean_drive
 from mobility_imu.simulation import faults as inject
@@ -292,3 +293,29 @@ def test_exchanged_wheels_of_which_one_fails_are_not_told_as_turned(sensor):
     faulty = inject.freeze(swapped, sensor, "gyr", 5.0, 25.0)
     codes = {fault.code for fault in look(faulty)}
     assert "exchanged" in codes and not codes & {"turned", "reversed", "lag", "scale"}
+
+
+UNITS = {"gyr": np.rad2deg(1.0), "acc": 9.80665}
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+@pytest.mark.parametrize(("half", "way"), [("gyr", -1), ("acc", 1), ("acc", -1)])
+def test_a_part_in_another_unit_is_told_alone_with_its_cost(sensor, half, way):
+    trial = drive().trial
+    part = np.zeros(len(trial), np.bool_)
+    part[1500:1900] = True
+    wrong = rescaled(trial, sensor, half, part, UNITS[half] ** way)
+    (found,) = look(wrong)
+    assert (found.code, found.sensor) == ("unit", f"{sensor}_{half}")
+    assert np.count_nonzero(found.flags ^ part) <= 4
+    undone = largest(series(wrong), series(trial), "turn")
+    stated = {cost.name: cost.largest for cost in found.costs}["turn"]
+    assert np.isclose(stated, undone, rtol=0.05, atol=0.5)
+
+
+def test_the_geometry_is_not_judged_with_a_gyroscope_in_another_unit():
+    part = np.arange(len(drive().trial)) > 1500
+    wrong = rescaled(drive().trial, "frame", "gyr", part, 1 / UNITS["gyr"])
+    cal = calibration()
+    checked = check_geometry(wrong, drive().court.geometry, cal.mount, offsets=cal.offsets)
+    assert not checked.judged and any("twice there?" in text for text in checked.warnings)

@@ -1,4 +1,4 @@
-"""A gyroscope whose unit changes within a recording, and what must not be taken for that."""
+"""A half whose unit changes within a recording, and what must not be taken for that."""
 
 import numpy as np
 import pytest
@@ -7,11 +7,11 @@ from mobility_imu.data import recordings_folder
 from mobility_imu.errors import InputError
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.unit_changes import find_unit_change
 from mobility_imu.walker import WalkerMount, calibrate_mount, estimate_trajectory
 from mobility_imu.walker.geometry import FOOTPRINT as FRAME
-from mobility_imu.walker.unit_changes import find_unit_change
 
-DEG = np.rad2deg(1.0)
+DEG, G = np.rad2deg(1.0), 9.80665
 TRUE_MOUNT = recordings_folder() / "walker_corridor" / "true_mount.toml"
 
 
@@ -58,13 +58,88 @@ def test_a_middle_or_both_ends_in_degrees_are_found_with_their_times(walk, middl
     outside = np.r_[:first, last : len(walk)]
     both = find_unit_change(with_rates(walk, lambda gyr: DEG * gyr, outside))
     assert np.allclose(both.spans_s, [(0, begin), (end, walk.time_s[-1])], atol=1)
-    assert f"from 0 to {both.spans_s[0][1]:.0f} s and from " in both.sentence
+    assert f"from 0.00 to {both.spans_s[0][1]:.2f} s and from " in both.sentence
 
 
-def test_a_unit_that_changes_more_often_has_no_false_range(walk):
+def test_two_middle_parts_in_degrees_are_found_with_their_times(walk):
     fifth = len(walk) // 5
-    parts = np.r_[fifth : 2 * fifth, 3 * fifth : 4 * fifth]
-    assert find_unit_change(with_rates(walk, lambda gyr: DEG * gyr, parts)) is None
+    ends = [(fifth, 2 * fifth), (3 * fifth, 4 * fifth)]
+    parts = np.concatenate([np.arange(*each) for each in ends])
+    found = find_unit_change(with_rates(walk, lambda gyr: DEG * gyr, parts))
+    assert np.allclose(found.spans_s, walk.time_s[np.array(ends)], atol=0.05)
+
+
+def with_forces(walk, factor, part):
+    imu = walk.sensor("frame")
+    acc = np.array(imu.acc_mps2)
+    acc[part] *= factor
+    return Recording(walk.time_s, {"frame": Imu(acc, imu.gyr_radps)}, source="walk")
+
+
+SHORT = [
+    *[(5500, 5500 + count) for count in (20, 30, 100, 400)],
+    *[(1800, 1800 + count) for count in (20, 60, 250)],
+    *[(-count, None) for count in (20, 100, 150, 200, 500, 700, 1000)],
+    *[(0, count) for count in (20, 200, 450)],
+    *[(300, None), (450, None), (300, -300)],
+]
+"""First and last row of a part, at rest and in moves: 0.2 s to nearly all of the walk."""
+SAID = {
+    ("gyr", DEG): "57 times more {} than elsewhere: is it in deg/s there?",
+    ("gyr", 1 / DEG): "57 times less {} than elsewhere: was it converted from deg/s twice there?",
+    ("acc", G): "9.8 times more {} than elsewhere: was it converted from g twice there?",
+    ("acc", 1 / G): "9.8 times less {} than elsewhere: is it in g there?",
+}
+
+
+@pytest.mark.parametrize(
+    ("half", "factor", "part"),
+    # A recording whose gravity is wrong in most of its rows is none.
+    [
+        (*each, part)
+        for each in SAID
+        for part in SHORT
+        if each[0] == "gyr" or part not in SHORT[-3:]
+    ],
+)
+def test_the_unit_of_a_part_of_any_length_is_found_with_its_times(walk, half, factor, part):
+    """Without it, they were told as a foot or a hand, or not at all with 31 deg of error."""
+    rows = slice(*part)
+    found = find_unit_change(
+        with_rates(walk, lambda gyr: factor * gyr, rows)
+        if half == "gyr"
+        else with_forces(walk, factor, rows)
+    )
+    begin, end = walk.time_s[rows][[0, -1]]
+    assert np.allclose(found.spans_s, [(begin, end)], atol=0.05)
+    times = f"from {found.spans_s[0][0]:.2f} to {found.spans_s[0][1]:.2f} s"
+    said = SAID[half, factor].format(times)
+    assert found.sentence == f"walk: frame_{half} reads about {said} Convert these rows"
+
+
+@pytest.mark.parametrize("half", ["acc", "gyr"])
+def test_a_short_part_in_another_unit_is_no_path(walk, half):
+    rows = slice(5500, 5530)
+    wrong = (
+        with_rates(walk, lambda gyr: DEG * gyr, rows)
+        if half == "gyr"
+        else with_forces(walk, 1 / G, rows)
+    )
+    times = r"from 5[45]\.[09]. to 55\.[23]. s"
+    with pytest.raises(InputError, match=f"frame_{half} reads about .* {times}"):
+        estimate_trajectory(wrong, None, WalkerMount.from_toml(TRUE_MOUNT))
+
+
+@pytest.mark.parametrize("wrong", [None, "walk.csv", 3])
+def test_what_is_no_recording_is_refused(wrong):
+    with pytest.raises(InputError, match="recording: got "):
+        find_unit_change(wrong)
+
+
+def test_a_name_that_no_sensor_has_is_refused(walk):
+    for name in ("seat", None, 3):
+        with pytest.raises(InputError, match="no sensor"):
+            find_unit_change(walk, name)
 
 
 def with_spikes(gyr):
@@ -87,6 +162,16 @@ OTHERS = {
     "less noise": lambda gyr: gyr + 3 * np.random.default_rng(2).standard_normal(gyr.shape),
     "30 times": lambda gyr: 30 * gyr,
 }
+
+
+@pytest.mark.parametrize("size_radps", [0.3, 0.5, 1, 2, 5])
+@pytest.mark.parametrize("seed", range(8))
+def test_noise_in_a_half_is_no_change_of_unit(walk, seed, size_radps):
+    """It is as large at rest as in moves, which a unit's is not."""
+    rng = np.random.default_rng(seed)
+    half = slice(len(walk) // 2, None) if seed % 2 else slice(len(walk) // 2)
+    noisy = with_rates(walk, lambda gyr: gyr + rng.normal(0, size_radps, gyr.shape), half)
+    assert find_unit_change(noisy) is None
 
 
 @pytest.mark.parametrize("fault", OTHERS)
