@@ -143,6 +143,7 @@ def find_unit_change(recording: Recording, name: str = "frame") -> UnitChange | 
         If an argument is of another kind, or there is no such sensor.
     """
     expect("recording", recording, Recording)
+    expect("name", name, str)
     imu = recording.sensor(name)
     width = max(FEWEST_IN_WINDOW, round(WINDOW_S * recording.sampling_rate_hz))
     if len(imu) < 3 * width:

@@ -16,8 +16,8 @@ from mobility_imu.executors import check_executor
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.scooter.geometry import body_specific_force, lever_acceleration
+from mobility_imu.unit_changes import find_unit_change
 from mobility_imu.walker.tilt_detection import Tilt
-from mobility_imu.walker.unit_changes import find_unit_change
 from mobility_imu.wheelchair.geometry import WheelPair, printed_yaw_gain
 from mobility_imu.wheelchair.outcomes import onset_errors
 from mobility_imu.wheelchair.tasks import Symbols, TaskSteps
