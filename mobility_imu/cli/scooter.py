@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import as_typed, in_words, naming, read_input, tell_faults
+from mobility_imu.cli.inputs import (
+    as_typed,
+    in_words,
+    naming,
+    read_input,
+    sd_in_degrees,
+    tell_faults,
+)
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import (
     FillGaps,
@@ -47,6 +54,8 @@ LARGEST_POSE_DEG = 180.0
 """Half a turn; a larger angle is the same pose as a smaller one."""
 LARGEST_SCALE_SD_DEG = 10.0
 """A protractor that is set no better judges nothing. Set by hand."""
+LARGEST_SHAFT_DEG = 55.0
+"""Steering shafts lean back by 10 to 35 deg, which is 55 to 80 from the horizontal. Set by hand."""
 MEDIAN_WINDOW = 25
 """As in RideSettings, which is loaded only where it is needed."""
 WORDS = {
@@ -124,6 +133,7 @@ def angles(
             smooth=not causal,
         )
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
+    warn(_strange(geometry, scooter, mount))
     ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s)
     if "body" not in ride.sensors and not single_imu:
         raise InputError(
@@ -133,6 +143,23 @@ def angles(
         found = _judged(ride, scooter, mount, settings, strict)
     outputs.write({output: table_bytes(found.to_frame(), output)})
     summarize([read_line(ride), *ride_lines(found), written_line([output])], quiet)
+
+
+def _strange(
+    path: Path, geometry: ScooterGeometry, mount: ScooterMount | None = None
+) -> Iterator[str]:
+    """Warnings of a geometry file whose numbers are possible, and probably meant otherwise."""
+    import math
+
+    alpha_deg = math.degrees(geometry.steering_inclination_rad)
+    if alpha_deg > LARGEST_SHAFT_DEG:
+        yield (
+            f"{path}, [scooter] steering_inclination_deg = {alpha_deg:g}: a shaft that leans back "
+            f"so far from the vertical? If it was measured from the horizontal, write "
+            f"{90 - alpha_deg:g}"
+        )
+    sd_rad = None if mount is None else mount.sd_rad
+    yield from sd_in_degrees(path, "[scooter.mount] sd_rad", sd_rad)
 
 
 def _judged(
@@ -216,6 +243,7 @@ def calibrate(
     files = (file for path in parked for file in recording_files(path))
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
     scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
+    warn(_strange(geometry, scooter))
     recordings = [read_input(path, "scooter", sampling_rate_hz, fill_gaps_s) for path in parked]
     of = [(one, fault) for one in recordings for fault in find_faults(one, scooter)]
     faults = [fault for _, fault in of]
@@ -299,6 +327,7 @@ def check(
     outputs = Outputs({"--output": output}, (*recording_files(parked), geometry, poses))
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
     scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
+    warn(_strange(geometry, scooter, mount))
     set_rad = read_poses(poses)
     recording = read_input(parked, "scooter", sampling_rate_hz, fill_gaps_s)
     faults = find_faults(recording, scooter, mount, RideSettings(method=method))

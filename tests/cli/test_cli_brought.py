@@ -1,0 +1,61 @@
+"""Commands of all devices: geometry files and names as people bring them."""
+
+import re
+import shutil
+
+import pytest
+from command_lines import CORRIDOR, angles, calibrate, scooter_ride, trajectory
+
+TRUE_MOUNT = CORRIDOR / "true_mount.toml"
+EYE = "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]"
+
+
+def test_a_name_that_begins_with_a_dash_is_shown_how_to_write(tmp_path, fails):
+    shutil.copy(CORRIDOR / "walk.csv.gz", tmp_path / "-walk.csv.gz")
+    line = trajectory(walk="-walk.csv.gz", mount=TRUE_MOUNT)
+    fails(*line, says=["-walk.csv.gz: begins with a dash", "write ./-walk.csv.gz"])
+
+
+def test_an_option_that_is_none_is_no_file(fails):
+    fails(*trajectory(mount=TRUE_MOUNT), "--qick", says=["--qick"])
+
+
+@pytest.mark.parametrize("order", ["Front,Back,Right,Left", " FRONT, back,RIGHT ,left"])
+def test_the_order_may_be_in_capitals(works, order):
+    assert "warning" not in works(*calibrate(), "--order", order).stderr
+
+
+def test_an_unknown_direction_is_shown_as_typed(fails):
+    fails(*calibrate(), "--order", "Vorne,back", says=["--order Vorne, back"])
+
+
+@pytest.mark.parametrize(("degrees", "told"), [(20, False), (35, False), (55, False), (70, True)])
+def test_an_inclination_from_the_horizontal_is_asked_about(tmp_path, works, degrees, told):
+    scooter_ride(tmp_path)
+    (tmp_path / "g.toml").write_text(
+        f"[scooter]\nsteering_inclination_deg = {degrees}\nlever_inclination_deg = 9\n"
+    )
+    said = works(*angles()).stderr
+    assert ("from the horizontal, write 20" in said) == told
+
+
+@pytest.mark.parametrize("sd_rad", ["[0.5, 0.4, 0.2, 0.4, 0.4, 1.6]", "[0.01, 0, 0, 0, 0, 1.6]"])
+def test_a_scooters_mount_known_to_so_many_degrees_is_asked_about(tmp_path, works, sd_rad):
+    scooter_ride(tmp_path)
+    mount = "".join(
+        f"rotation_{name} = {EYE}\n" for name in ("lever_imu_to_lever", "body_imu_to_body")
+    )
+    text = (tmp_path / "g.toml").read_text()
+    (tmp_path / "g.toml").write_text(f"{text}[scooter.mount]\n{mount}sd_rad = {sd_rad}\n")
+    said = works(*angles()).stderr
+    # The turn of the body about the vertical may be unknown.
+    assert ("are the numbers in degrees?" in said) == sd_rad.startswith("[0.5")
+
+
+@pytest.mark.parametrize(("sd", "told"), [("0.5, 0.5, 0.34", True), ("0.01, 0.5, 0.01", False)])
+def test_a_walkers_mount_likewise(tmp_path, works, sd, told):
+    text = TRUE_MOUNT.read_text() + f"rotation_sd_rad = [{sd}]\n"
+    assert re.search(r"\[walker.mount\][^\[]*rotation_imu", text)
+    (tmp_path / "m.toml").write_text(text)
+    said = works(*trajectory()).stderr
+    assert ("are the numbers in degrees?" in said) == told
