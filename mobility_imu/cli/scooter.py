@@ -414,4 +414,6 @@ def read_poses(path: Path) -> list[tuple[float, float]]:
             f"{path}: an angle of {largest:g}, expected between -{LARGEST_POSE_DEG:g} and "
             f"{LARGEST_POSE_DEG:g} deg"
         )
+    if 0 < largest <= np.pi / 2:
+        warn([f"{path}: no angle is beyond {largest:.3g} deg: are they in rad? Write them in deg"])
     return [(float(steering), float(throttle)) for steering, throttle in np.deg2rad(columns)]

@@ -100,6 +100,7 @@ def velocity(
     outputs = Outputs({"--output": output}, (*_files(trials), geometry))
     _tell_unused(smoothing, filter_window, filter_order)
     chair = WheelchairGeometry.from_toml(geometry)
+    warn(_unused_mount(geometry))
     read = _read(trials, sampling_rate_hz, fill_gaps_s)
     of_filter = {"window": filter_window, "order": filter_order}
     with as_typed(FILTER_WORDS):
@@ -121,6 +122,15 @@ def velocity(
     warn(not_told(found, drive, chair, calibration.mount, faults))
     outputs.write({output: table_bytes(found.to_frame(), output)})
     summarize([read_line(drive), *velocity_lines(found), written_line([output])], quiet)
+
+
+def _unused_mount(path: Path) -> list[str]:
+    """Warning of a mount in a geometry file: the commands find it from the trials."""
+    from mobility_imu.readers.geometry import find_table
+
+    if find_table(path, "wheelchair.mount") is None:
+        return []
+    return [f"{path}: [wheelchair.mount] is not used: --static and --straight show the mount"]
 
 
 def _tell_unused(smoothing: Smoothing, window: int, order: int) -> None:
@@ -226,6 +236,7 @@ def check(
             f"{MOST_SCALE_PERCENT:g}"
         )
     chair = WheelchairGeometry.from_toml(geometry)
+    warn(_unused_mount(geometry))
     drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s)
     calibration = _calibrated(drive, still, line)
     faults = find_faults(drive, chair, calibration.mount, offsets=calibration.offsets)

@@ -3,8 +3,10 @@
 import re
 import shutil
 
+import numpy as np
+import pandas as pd
 import pytest
-from command_lines import CORRIDOR, angles, calibrate, scooter_ride, trajectory
+from command_lines import CORRIDOR, COURT, angles, calibrate, scooter_ride, trajectory, velocity
 
 TRUE_MOUNT = CORRIDOR / "true_mount.toml"
 EYE = "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]"
@@ -59,3 +61,36 @@ def test_a_walkers_mount_likewise(tmp_path, works, sd, told):
     (tmp_path / "m.toml").write_text(text)
     said = works(*trajectory()).stderr
     assert ("are the numbers in degrees?" in said) == told
+
+
+def test_a_mount_in_a_chairs_geometry_is_told_as_unused(tmp_path, works):
+    keys = ("left_imu_to_wheel", "right_imu_to_wheel", "frame_imu_to_chair")
+    mount = "".join(f"rotation_{key} = {EYE}\n" for key in keys)
+    text = (COURT / "geometry.toml").read_text()
+    (tmp_path / "g.toml").write_text(f"{text}[wheelchair.mount]\n{mount}")
+    told = "g.toml: [wheelchair.mount] is not used"
+    line = velocity(geometry="g.toml")
+    assert told in works(*line).stderr
+    check = ["wheelchair", "check", *line[2 : line.index("-o")]]
+    assert told in works(*check).stderr
+    assert "not used" not in works(*velocity()).stderr
+
+
+@pytest.fixture(scope="module")
+def parked(tmp_path_factory):
+    from mobility_imu.simulation.bundle import scooter_bundle
+
+    folder = tmp_path_factory.mktemp("parked")
+    contents = scooter_bundle(900_590)
+    (folder / "g.toml").write_text(contents["geometry.toml"])
+    contents["parked_level.csv.gz"].to_csv(folder / "level.csv", index=False)
+    contents["poses.csv"].to_csv(folder / "deg.csv", index=False)
+    pd.DataFrame(np.deg2rad(contents["poses.csv"])).to_csv(folder / "rad.csv", index=False)
+    return folder
+
+
+@pytest.mark.parametrize(("poses", "told"), [("deg.csv", False), ("rad.csv", True)])
+def test_poses_in_rad_are_asked_about(parked, works, poses, told):
+    files = ["--poses", parked / poses, "--geometry", parked / "g.toml"]
+    said = works("scooter", "check", parked / "level.csv", *files).stderr
+    assert ("are they in rad?" in said) == told
