@@ -94,3 +94,22 @@ def test_poses_in_rad_are_asked_about(parked, works, poses, told):
     files = ["--poses", parked / poses, "--geometry", parked / "g.toml"]
     said = works("scooter", "check", parked / "level.csv", *files).stderr
     assert ("are they in rad?" in said) == told
+
+
+def test_rests_of_another_walk_are_asked_about(tmp_path, works):
+    from mobility_imu.simulation.bundle import walker_bundle
+
+    other = walker_bundle(900_591)["truth.csv.gz"]
+    assert other["time_s"].iloc[-1] > 60
+    walk = pd.read_csv(CORRIDOR / "walk.csv.gz")
+    walk[walk["time_s"] < 60].to_csv(tmp_path / "walk.csv", index=False)
+    other.to_csv(tmp_path / "other.csv", index=False)
+    line = trajectory(walk="walk.csv", mount=TRUE_MOUNT)
+    asked = "do not resemble those that the readings show: are they of this recording?"
+    assert asked in works(*line, "--rests", "other.csv").stderr
+    assert asked not in works(*line, "--rests", CORRIDOR / "truth.csv.gz").stderr
+    # Who knows the first and the last rest only knows no other walk's.
+    truth = pd.read_csv(CORRIDOR / "truth.csv.gz")
+    ends = (truth["time_s"] < 2) | (truth["time_s"] > 58)
+    truth.assign(stationary=truth["stationary"] * ends).to_csv(tmp_path / "some.csv", index=False)
+    assert asked not in works(*line, "--rests", "some.csv").stderr
