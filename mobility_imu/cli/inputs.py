@@ -11,9 +11,8 @@ from mobility_imu.cli.messages import warn
 from mobility_imu.errors import InputError
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from mobility_imu.faults import Fault
+    from mobility_imu.frames import FloatArray
     from mobility_imu.recording import Recording
 
 SENSORS = {
@@ -150,7 +149,7 @@ LARGEST_MOUNT_SD_RAD = 0.3
 find 0.003 to 0.03 rad. Set by hand."""
 
 
-def sd_in_degrees(path: Path, what: str, sd_rad: ArrayLike | None) -> list[str]:
+def sd_in_degrees(path: Path, what: str, sd_rad: FloatArray | None) -> list[str]:
     """Warning of a mount whose turns are known so badly that degrees may be meant.
 
     Parameters
