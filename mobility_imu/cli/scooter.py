@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -118,7 +118,7 @@ def angles(
     """
     from mobility_imu.cli.summaries import read_line, ride_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount
+    from mobility_imu.scooter import RideSettings
 
     outputs = Outputs({"--output": output}, (*recording_files(recording), geometry))
     _check_options(method, single_imu, acc_noise_mps2)
@@ -132,8 +132,7 @@ def angles(
             acc_noise_mps2=acc_noise_mps2,
             smooth=not causal,
         )
-    scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
-    warn(_strange(geometry, scooter, mount))
+    scooter, mount = _read_geometry(geometry)
     ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s)
     if "body" not in ride.sensors and not single_imu:
         raise InputError(
@@ -145,21 +144,31 @@ def angles(
     summarize([read_line(ride), *ride_lines(found), written_line([output])], quiet)
 
 
-def _strange(
-    path: Path, geometry: ScooterGeometry, mount: ScooterMount | None = None
-) -> Iterator[str]:
-    """Warnings of a geometry file whose numbers are possible, and probably meant otherwise."""
+def _read_inclinations(path: Path) -> ScooterGeometry:
+    """Geometry; warns of an inclination that is possible, and probably another one."""
     import math
 
+    from mobility_imu.scooter import ScooterGeometry
+
+    geometry = ScooterGeometry.from_toml(path)
     alpha_deg = math.degrees(geometry.steering_inclination_rad)
     if alpha_deg > LARGEST_SHAFT_DEG:
-        yield (
+        warn([
             f"{path}, [scooter] steering_inclination_deg = {alpha_deg:g}: a shaft that leans back "
-            f"so far from the vertical? If it was measured from the horizontal, write "
+            "so far from the vertical? If it was measured from the horizontal, write "
             f"{90 - alpha_deg:g}"
-        )
+        ])  # fmt: skip
+    return geometry
+
+
+def _read_geometry(path: Path) -> tuple[ScooterGeometry, ScooterMount | None]:
+    """Geometry and mount; warns of numbers that are possible, and probably meant otherwise."""
+    from mobility_imu.scooter import ScooterMount
+
+    geometry, mount = _read_inclinations(path), ScooterMount.in_toml(path)
     sd_rad = None if mount is None else mount.sd_rad
-    yield from sd_in_degrees(path, "[scooter.mount] sd_rad", sd_rad)
+    warn(sd_in_degrees(path, "[scooter.mount] sd_rad", sd_rad))
+    return geometry, mount
 
 
 def _judged(
@@ -238,12 +247,11 @@ def calibrate(
     """
     from mobility_imu.cli.summaries import scooter_mount_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import ScooterGeometry, calibrate_mount, find_faults
+    from mobility_imu.scooter import calibrate_mount, find_faults
 
     files = (file for path in parked for file in recording_files(path))
     outputs = Outputs({"--output": output}, (*files, geometry, poses))
-    scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
-    warn(_strange(geometry, scooter))
+    scooter, settings = _read_inclinations(geometry), read_poses(poses)
     recordings = [read_input(path, "scooter", sampling_rate_hz, fill_gaps_s) for path in parked]
     of = [(one, fault) for one in recordings for fault in find_faults(one, scooter)]
     faults = [fault for _, fault in of]
@@ -318,16 +326,13 @@ def check(
     from mobility_imu.readers import recording_files
     from mobility_imu.scooter import (
         RideSettings,
-        ScooterGeometry,
-        ScooterMount,
         check_poses,
         find_faults,
     )
 
     outputs = Outputs({"--output": output}, (*recording_files(parked), geometry, poses))
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
-    scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
-    warn(_strange(geometry, scooter, mount))
+    scooter, mount = _read_geometry(geometry)
     set_rad = read_poses(poses)
     recording = read_input(parked, "scooter", sampling_rate_hz, fill_gaps_s)
     faults = find_faults(recording, scooter, mount, RideSettings(method=method))
