@@ -71,6 +71,8 @@ IN_RUN_SD_RADPS = float(np.deg2rad(0.01))
 """Change of an offset within a recording (usual data sheets: 5 to 40 deg/h)."""
 FARTHEST_BLOCK = 3.0
 """Blocks farther from the middle one than this times the median distance are taken for motions."""
+MOST_COMPARED = 2000
+"""Blocks of which each is compared with each: a quarter of an hour of rest."""
 LARGEST_CHI_SQUARE = 16.3
 """Of three numbers, passed by chance once in a thousand times."""
 LARGEST_T_VARIANCE = 3.0
@@ -279,8 +281,10 @@ def gyroscope_offset(
     count = len(blocks)
     if count * block < round(SHORTEST_REST_S * rate) or count < 2:
         return None
-    apart = np.linalg.norm(blocks[:, None] - blocks, axis=2)
-    from_middle = apart[int(np.argmin(apart.sum(axis=1)))]
+    # Of many, evenly spaced ones find the middle: all distances of a day would fill the memory.
+    some = blocks[:: -(-count // MOST_COMPARED)]
+    apart = np.linalg.norm(some[:, None] - some, axis=2)
+    from_middle = np.linalg.norm(some[int(np.argmin(apart.sum(axis=1)))] - blocks, axis=1)
     blocks = blocks[from_middle <= FARTHEST_BLOCK * np.median(from_middle)]
     count = len(blocks)
     free = count - 1

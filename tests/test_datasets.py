@@ -130,6 +130,12 @@ class TestCache:
         monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "local"))
         assert cache_folder() == tmp_path / "local" / "mobility-imu"
 
+    def test_the_cache_may_be_named_from_the_home_folder(self, monkeypatch, tmp_path):
+        """Files of settings name it so, and no shell reads them."""
+        monkeypatch.setenv("HOME", str(tmp_path))
+        monkeypatch.setenv("MOBILITY_IMU_CACHE", "~/imu")
+        assert cache_folder() == tmp_path / "imu"
+
     def test_without_a_home(self, monkeypatch):
         monkeypatch.delenv("MOBILITY_IMU_CACHE")
 

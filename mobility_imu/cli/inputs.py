@@ -12,6 +12,7 @@ from mobility_imu.errors import InputError
 
 if TYPE_CHECKING:
     from mobility_imu.faults import Fault
+    from mobility_imu.frames import FloatArray
     from mobility_imu.recording import Recording
 
 SENSORS = {
@@ -141,6 +142,34 @@ def in_words(text: str, words: Mapping[str, str]) -> str:
     for ours, typed in words.items():
         text = text.replace(ours, typed)
     return text
+
+
+LARGEST_MOUNT_SD_RAD = 0.3
+"""Median standard deviation of a mount's turns from which on it may be in degrees: calibrations
+find 0.003 to 0.03 rad. Set by hand."""
+
+
+def sd_in_degrees(path: Path, what: str, sd_rad: FloatArray | None) -> list[str]:
+    """Warning of a mount whose turns are known so badly that degrees may be meant.
+
+    Parameters
+    ----------
+    path : geometry file
+    what : section and key
+    sd_rad : (k,) array, rad, as the file has it, or None
+
+    Returns
+    -------
+    list of str, with one sentence or none
+    """
+    import numpy as np
+
+    if sd_rad is None or np.median(sd_rad) <= LARGEST_MOUNT_SD_RAD:
+        return []
+    return [
+        f"{path}, {what} states {np.rad2deg(np.median(sd_rad)):.0f} deg (median), more than a "
+        "calibration leaves: are the numbers in degrees? Write them in rad"
+    ]
 
 
 def tell_faults(faults: Sequence[Fault], strict: bool) -> None:

@@ -216,6 +216,10 @@ def _of_arguments(error: Exception) -> str | None:
         return None
     if type(error).__name__ == "NoArgsIsHelpError":  # its message is the whole help
         return "give a command; --help lists them"
+    if type(error).__name__ == "NoSuchOption":
+        for argument in sys.argv[1:]:
+            if argument.startswith("-") and os.path.exists(argument):
+                return f"{argument}: begins with a dash, as options do; write ./{argument}"
     # What checks the values begins some messages with words of its own.
     message = str(error.format_message()).replace(": Value error, ", ": ")
     command = getattr(getattr(error, "ctx", None), "command", None)

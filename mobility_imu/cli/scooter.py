@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import as_typed, in_words, naming, read_input, tell_faults
+from mobility_imu.cli.inputs import (
+    as_typed,
+    in_words,
+    naming,
+    read_input,
+    sd_in_degrees,
+    tell_faults,
+)
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import (
     FillGaps,
@@ -46,6 +53,8 @@ LARGEST_POSE_DEG = 180.0
 """Half a turn; a larger angle is the same pose as a smaller one."""
 LARGEST_SCALE_SD_DEG = 10.0
 """A protractor that is set no better judges nothing. Set by hand."""
+LARGEST_SHAFT_DEG = 55.0
+"""Steering shafts lean back by 10 to 35 deg, which is 55 to 80 from the horizontal. Set by hand."""
 MEDIAN_WINDOW = 25
 """As in RideSettings, which is loaded only where it is needed."""
 WORDS = {
@@ -108,7 +117,7 @@ def angles(
     """
     from mobility_imu.cli.summaries import read_line, ride_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import RideSettings, ScooterGeometry, ScooterMount
+    from mobility_imu.scooter import RideSettings
 
     outputs = checked({"--output": output}, (*recording_files(recording), geometry))
     _check_options(method, single_imu, acc_noise_mps2)
@@ -122,7 +131,7 @@ def angles(
             acc_noise_mps2=acc_noise_mps2,
             smooth=not causal,
         )
-    scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
+    scooter, mount = _read_geometry(geometry)
     ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s)
     if "body" not in ride.sensors and not single_imu:
         raise InputError(
@@ -132,6 +141,33 @@ def angles(
         found = _judged(ride, scooter, mount, settings, strict)
     outputs.write({output: table_bytes(found.to_frame(), output)})
     summarize([read_line(ride), *ride_lines(found), written_line([output])], quiet)
+
+
+def _read_inclinations(path: Path) -> ScooterGeometry:
+    """Geometry; warns of an inclination that is possible, and probably another one."""
+    import math
+
+    from mobility_imu.scooter import ScooterGeometry
+
+    geometry = ScooterGeometry.from_toml(path)
+    alpha_deg = math.degrees(geometry.steering_inclination_rad)
+    if alpha_deg > LARGEST_SHAFT_DEG:
+        warn([
+            f"{path}, [scooter] steering_inclination_deg = {alpha_deg:g}: a shaft that leans back "
+            "so far from the vertical? If it was measured from the horizontal, write "
+            f"{90 - alpha_deg:g}"
+        ])  # fmt: skip
+    return geometry
+
+
+def _read_geometry(path: Path) -> tuple[ScooterGeometry, ScooterMount | None]:
+    """Geometry and mount; warns of numbers that are possible, and probably meant otherwise."""
+    from mobility_imu.scooter import ScooterMount
+
+    geometry, mount = _read_inclinations(path), ScooterMount.in_toml(path)
+    sd_rad = None if mount is None else mount.sd_rad
+    warn(sd_in_degrees(path, "[scooter.mount] sd_rad", sd_rad))
+    return geometry, mount
 
 
 def _judged(
@@ -210,11 +246,11 @@ def calibrate(
     """
     from mobility_imu.cli.summaries import scooter_mount_lines, written_line
     from mobility_imu.readers import recording_files
-    from mobility_imu.scooter import ScooterGeometry, calibrate_mount, find_faults
+    from mobility_imu.scooter import calibrate_mount, find_faults
 
     files = (file for path in parked for file in recording_files(path))
     outputs = checked({"--output": output}, (*files, geometry, poses), MOUNT)
-    scooter, settings = ScooterGeometry.from_toml(geometry), read_poses(poses)
+    scooter, settings = _read_inclinations(geometry), read_poses(poses)
     recordings = [read_input(path, "scooter", sampling_rate_hz, fill_gaps_s) for path in parked]
     of = [(one, fault) for one in recordings for fault in find_faults(one, scooter)]
     faults = [fault for _, fault in of]
@@ -289,15 +325,13 @@ def check(
     from mobility_imu.readers import recording_files
     from mobility_imu.scooter import (
         RideSettings,
-        ScooterGeometry,
-        ScooterMount,
         check_poses,
         find_faults,
     )
 
     outputs = checked({"--output": output}, (*recording_files(parked), geometry, poses))
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
-    scooter, mount = ScooterGeometry.from_toml(geometry), ScooterMount.in_toml(geometry)
+    scooter, mount = _read_geometry(geometry)
     set_rad = read_poses(poses)
     recording = read_input(parked, "scooter", sampling_rate_hz, fill_gaps_s)
     faults = find_faults(recording, scooter, mount, RideSettings(method=method))
@@ -384,4 +418,7 @@ def read_poses(path: Path) -> list[tuple[float, float]]:
             f"{path}: line {line_of(table.text, row)}: an angle of {np.abs(columns[row]).max():g}, "
             f"expected between -{LARGEST_POSE_DEG:g} and {LARGEST_POSE_DEG:g} deg"
         )
+    largest = float(np.abs(columns).max())
+    if 0 < largest <= np.pi / 2:
+        warn([f"{path}: no angle is beyond {largest:.3g} deg: are they in rad? Write them in deg"])
     return [(float(steering), float(throttle)) for steering, throttle in np.deg2rad(columns)]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from mobility_imu.cli.inputs import as_typed, naming, read_input, tell_faults
+from mobility_imu.cli.inputs import as_typed, naming, read_input, sd_in_degrees, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import (
     FillGaps,
@@ -61,6 +61,13 @@ def _settings(scale_percent: float) -> NavigationSettings:
     return NavigationSettings(scale_sd=scale_percent / 100, axes_sd_rad=scale_percent / 100)
 
 
+def _direction(name: str) -> str:
+    """Name of a tilt, whose letters may be capitals; another name as it was typed."""
+    from mobility_imu.walker.geometry import TILT_DIRECTIONS
+
+    return name.lower() if name.lower() in TILT_DIRECTIONS else name
+
+
 @app.command("calibrate")
 def calibrate(
     tilts: Annotated[Path, typer.Argument(help="Recording of the tilts with sensor 'frame'.")],
@@ -105,7 +112,7 @@ def calibrate(
     options: dict[str, Any] = {
         "method": method,
         "form": form,
-        "order": [name.strip() for name in order.split(",")],
+        "order": [_direction(name.strip()) for name in order.split(",")],
         "smooth": smooth,
         "settings": _settings(scale_percent),
     }
@@ -167,6 +174,7 @@ def trajectory(
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
     outputs = checked({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
+    warn(sd_in_degrees(geometry, "[walker.mount] rotation_sd_rad", mount.rotation_sd_rad))
     recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s)
     known = None if rests is None else read_rests(rests, recording.time_s)
     settings = _settings(scale_percent)

@@ -89,7 +89,6 @@ def velocity(
     """Linear velocity and yaw rate of a chair from wheel and frame IMUs (WheelMove-ID)."""
     from mobility_imu.cli.summaries import read_line, velocity_lines, written_line
     from mobility_imu.wheelchair import (
-        WheelchairGeometry,
         estimate_velocity,
         find_faults,
         smooth_recording,
@@ -99,7 +98,7 @@ def velocity(
     trials = (trial, static, straight)
     outputs = checked({"--output": output}, (*_files(trials), geometry))
     _tell_unused(smoothing, filter_window, filter_order)
-    chair = WheelchairGeometry.from_toml(geometry)
+    chair = _read_geometry(geometry)
     read = _read(trials, sampling_rate_hz, fill_gaps_s)
     of_filter = {"window": filter_window, "order": filter_order}
     with as_typed(FILTER_WORDS):
@@ -121,6 +120,18 @@ def velocity(
     warn(not_told(found, drive, chair, calibration.mount, faults))
     outputs.write({output: table_bytes(found.to_frame(), output)})
     summarize([read_line(drive), *velocity_lines(found), written_line([output])], quiet)
+
+
+def _read_geometry(path: Path) -> WheelchairGeometry:
+    """Geometry of the chair; warns of a mount, which the trials show."""
+    from mobility_imu.readers.geometry import find_table
+    from mobility_imu.wheelchair import WheelchairGeometry
+
+    geometry = WheelchairGeometry.from_toml(path)
+    if find_table(path, "wheelchair.mount") is not None:
+        told = "is not used: --static and --straight show the mount"
+        warn([f"{path}: [wheelchair.mount] {told}"])
+    return geometry
 
 
 def _tell_unused(smoothing: Smoothing, window: int, order: int) -> None:
@@ -217,7 +228,7 @@ def check(
 ) -> None:
     """Whether track, radii and camber fit what the frame's gyroscope says of the turns."""
     from mobility_imu.cli.summaries import check_lines, read_line
-    from mobility_imu.wheelchair import WheelchairGeometry, check_geometry, find_faults
+    from mobility_imu.wheelchair import check_geometry, find_faults
     from mobility_imu.wheelchair.faults import ranges_told
 
     if not 0 <= gyroscope_scale_percent <= MOST_SCALE_PERCENT:
@@ -225,7 +236,7 @@ def check(
             f"--gyroscope-scale-percent {gyroscope_scale_percent:g}: expected 0 to "
             f"{MOST_SCALE_PERCENT:g}"
         )
-    chair = WheelchairGeometry.from_toml(geometry)
+    chair = _read_geometry(geometry)
     drive, still, line = _read((trial, static, straight), sampling_rate_hz, fill_gaps_s)
     calibration = _calibrated(drive, still, line)
     faults = find_faults(drive, chair, calibration.mount, offsets=calibration.offsets)

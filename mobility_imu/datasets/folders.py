@@ -114,9 +114,10 @@ def cache_folder() -> Path:
         If there is no home folder to find the platform's in.
     """
     named = os.environ.get(CACHE_VARIABLE)
-    if named:
-        return Path(named).absolute()
     try:
+        if named:
+            # No shell has read what a file of settings says.
+            return Path(named).expanduser().absolute()
         return _platform_cache() / "mobility-imu"
     except RuntimeError:  # no home folder
         raise InputError(

@@ -15,12 +15,17 @@ the detector differ by a tenth of a second or so. Our choice, not swept."""
 ALIKE, BETTER = 0.5, 0.15
 """Correlation of both that shows them to be the same rests, and by how much the shift has to make
 it larger. Our choice, not swept. A foot's rests, of which the detector finds none, show nothing."""
+LEAST_FITTING = 0.4
+"""Part of the fewer rests, given or shown by the readings, that lie among the others beyond what
+chance puts there, from which on both may be of one recording. Who knows some rests only, or sees
+more than the detector, has all of it; true rests of 14 simulated walks have 0.99 or more, those of
+another walk 0.19 (median)."""
 
 
 def shifted_rests(
     given: NDArray[np.bool_], found: NDArray[np.bool_], sampling_rate_hz: float
 ) -> str | None:
-    """Warning of rests that fit the recording better a little earlier or later.
+    """Warning of rests that fit the recording better a little earlier or later, or not at all.
 
     Parameters
     ----------
@@ -29,7 +34,7 @@ def shifted_rests(
 
     Returns
     -------
-    str, None if they fit as they are, or do not resemble each other at all
+    str, None if they fit as they are, or the readings show none
     """
     count = len(given)
     one, other = (flags - flags.mean() for flags in (given.astype(float), found.astype(float)))
@@ -45,6 +50,13 @@ def shifted_rests(
     most = min(round(LONGEST_SHIFT_S * sampling_rate_hz), count - 1)
     near = alike[count - 1 - most : count + most]
     shift_s = (int(np.argmax(near)) - most) / sampling_rate_hz
+    few, many = sorted((float(given.mean()), float(found.mean())))
+    fitting = (float((given & found).mean()) / few - many) / (1 - many)
+    if near.max() < ALIKE and fitting < LEAST_FITTING:
+        return (
+            f"{GIVEN_WORDS} do not resemble those that the readings show: are they of this "
+            "recording? The path is found with them as they are"
+        )
     if abs(shift_s) < LEAST_SHIFT_S or near.max() < max(ALIKE, near[most] + BETTER):
         return None
     way = "later" if shift_s > 0 else "earlier"
