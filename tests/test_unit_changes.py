@@ -138,7 +138,7 @@ def test_what_is_no_recording_is_refused(wrong):
 
 def test_a_name_that_no_sensor_has_is_refused(walk):
     for name in ("seat", None, 3):
-        with pytest.raises(InputError, match="no sensor|expected str"):
+        with pytest.raises(InputError, match=r"no sensor|expected str"):
             find_unit_change(walk, name)
 
 
