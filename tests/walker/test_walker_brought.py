@@ -16,7 +16,7 @@ from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_kinds import clean_walk
 from mobility_imu.reproduction.walker.fault_motions import up_a_ramp
 from mobility_imu.simulation import faults as inject
-from mobility_imu.simulation.levels import LEVELS
+from mobility_imu.simulation.levels import LEVELS, REAL_LEVEL, unit_of
 from mobility_imu.simulation.walker import CORRIDOR, REALISTIC, attach_imu, simulate_walk
 from mobility_imu.walker import (
     NavigationSettings,
@@ -126,12 +126,35 @@ def test_stairs_are_told_and_z_follows_if_the_floor_is_unknown():
     assert told(walk.recording, settings=free) == ()
 
 
-@pytest.mark.parametrize(("degrees", "words"), [(3.0, "rises by 0."), (-3.0, "falls by 0.")])
-def test_a_ramp_is_told(degrees, words):
-    """3 deg of 10 m are 0.52 m; gravity at rest errs by some hundredths of them."""
-    (fault,) = told(on_ramp(degrees).recording)
+CALIBRATED = NavigationSettings.for_calibrated_sensor()
+
+
+@pytest.mark.parametrize(
+    ("degrees", "words", "settings"),
+    [
+        (3.0, "rises by 0.", CALIBRATED),
+        (-3.0, "falls by 0.", CALIBRATED),
+        (4.2, "rises by 0.", None),
+        (-4.2, "falls by 0.", None),
+    ],
+)
+def test_a_ramp_is_told(degrees, words, settings):
+    """3 deg of 10 m are 0.52 m; gravity at rest errs by some hundredths of them.
+
+    A sensor that may be 20 mg off, and its axes by 1 %, sees 1.4 deg of any straight way: only what
+    is steep is told of it.
+    """
+    (fault,) = told(on_ramp(degrees).recording, settings=settings)
     assert fault.code == "floor" and words in fault.sentence
-    assert fault.size == pytest.approx(0.52, abs=0.15)
+    assert fault.size == pytest.approx(10 * np.sin(np.deg2rad(abs(degrees))), abs=0.15)
+
+
+@pytest.mark.parametrize("degrees", [2.9, 3.1])
+def test_a_ramp_that_begins_level_is_told_by_any_sensor(degrees):
+    """The frame comes to lean with it, which no constant error of the sensor does."""
+    (fault,) = told(attached(up_a_ramp(corridor(), np.deg2rad(degrees))).recording)
+    assert fault.code == "floor"
+    assert fault.size == pytest.approx(0.45, abs=0.1)
 
 
 @pytest.mark.parametrize("level", ["data sheet", "realistic", "real"])
@@ -140,6 +163,16 @@ def test_a_level_floor_is_not_told(level):
         walk = clean_walk(seed, level, with_sd=False)
         found = find_faults(walk.walk.recording, walk.tape, walk.mount)
         assert "floor" not in {fault.code for fault in found}
+
+
+@pytest.mark.parametrize(("seed", "pose"), [(930_014, 5), (930_028, 4), (930_038, 4)])
+def test_a_leaning_sensor_is_no_slope(seed, pose):
+    """An accelerometer that is 20 mg off sees a level corridor rise or fall by 0.4 to 0.6 m."""
+    motion = simulate_walk(CORRIDOR, seed=seed, imperfections=REALISTIC)
+    seeds = {"seed": 100 * seed + pose, "unit_seed": unit_of(seed, str(pose))}
+    mount = pose_mount(str(pose))
+    walk = attach_imu(motion, mount, REAL_LEVEL.sensor, **seeds)
+    assert "floor" not in {fault.code for fault in find_faults(walk.recording, FRAME, mount)}
 
 
 def test_a_low_kerb_is_within_what_moves_show():
