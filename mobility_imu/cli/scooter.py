@@ -400,6 +400,11 @@ def read_poses(path: Path) -> list[tuple[float, float]]:
     Returns
     -------
     list of (steering, throttle), rad
+
+    Raises
+    ------
+    InputError
+        If a column is missing, or an angle is missing or beyond half a turn.
     """
     import numpy as np
 
