@@ -264,6 +264,11 @@ def turned_gravity(
     Returns
     -------
     (n, 3) array, m/s²; its differences are right for a second or so
+
+    Raises
+    ------
+    InputError
+        If a series is not finite, both are not of one length, or the rate is not positive.
     """
     acc = as_vectors(acc_mps2, "acc_mps2", ndim=2)
     gyr = as_vectors(gyr_radps, "gyr_radps", length=len(acc))
@@ -380,6 +385,11 @@ def smallest_step(axis: FloatArray) -> float:
     Returns
     -------
     float, in the values' unit
+
+    Raises
+    ------
+    InputError
+        If it is no series of numbers.
 
     Examples
     --------

@@ -23,6 +23,11 @@ def runs_of(flags: ArrayLike) -> list[slice]:
     -------
     list of slice, in the order of time
 
+    Raises
+    ------
+    InputError
+        If the flags are no series of truth values.
+
     Examples
     --------
     >>> runs_of([0, 1, 1, 0, 1])
@@ -44,6 +49,11 @@ def long_runs(flags: ArrayLike, shortest: int, *, grow: bool) -> NDArray[np.bool
     Returns
     -------
     (n,) bool array
+
+    Raises
+    ------
+    InputError
+        If the flags are no series of truth values, or ``shortest`` is no whole number.
 
     Examples
     --------
@@ -73,6 +83,11 @@ def changes_of(codes: ArrayLike) -> NDArray[np.intp]:
     -------
     (k,) array of int; empty for no samples
 
+    Raises
+    ------
+    InputError
+        If the codes are no series.
+
     Examples
     --------
     >>> changes_of([1, 1, 2, 2, 1]).tolist()
@@ -100,6 +115,11 @@ def some_flags(flags: ArrayLike, name: str = "flags") -> NDArray[np.bool_]:
     Returns
     -------
     (n,) bool array, a copy
+
+    Raises
+    ------
+    InputError
+        If they are no series of truth values, or of 0 and 1.
     """
     try:
         length = np.size(flags)

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from mobility_imu.frames import FloatArray
     from mobility_imu.recording import Recording
 
+LARGEST_MOUNT_SD_RAD = 0.3
+"""Median standard deviation of a mount's turns from which on it may be in degrees: calibrations
+find 0.003 to 0.03 rad. Set by hand."""
 SENSORS = {
     "scooter": ("lever", "body"),
     "wheelchair": ("frame", "left_wheel", "right_wheel"),
@@ -142,11 +145,6 @@ def in_words(text: str, words: Mapping[str, str]) -> str:
     for ours, typed in words.items():
         text = text.replace(ours, typed)
     return text
-
-
-LARGEST_MOUNT_SD_RAD = 0.3
-"""Median standard deviation of a mount's turns from which on it may be in degrees: calibrations
-find 0.003 to 0.03 rad. Set by hand."""
 
 
 def sd_in_degrees(path: Path, what: str, sd_rad: FloatArray | None) -> list[str]:

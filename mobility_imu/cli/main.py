@@ -216,15 +216,17 @@ def _of_arguments(error: Exception) -> str | None:
         return None
     if type(error).__name__ == "NoArgsIsHelpError":  # its message is the whole help
         return "give a command; --help lists them"
+    command = getattr(getattr(error, "ctx", None), "command", None)
+    options = getattr(command, "params", ())
     if type(error).__name__ == "NoSuchOption":
+        known = {name for option in options for name in option.opts}
         for argument in sys.argv[1:]:
-            if argument.startswith("-") and os.path.exists(argument):
+            if argument[:1] == "-" and argument not in known and os.path.exists(argument):
                 return f"{argument}: begins with a dash, as options do; write ./{argument}"
     # What checks the values begins some messages with words of its own.
     message = str(error.format_message()).replace(": Value error, ", ": ")
-    command = getattr(getattr(error, "ctx", None), "command", None)
     # What looks at sensors reads a recording, which may be in several files.
-    of_recordings = any(option.name == "strict" for option in getattr(command, "params", ()))
+    of_recordings = any(option.name == "strict" for option in options)
     if of_recordings and message.startswith("Got unexpected extra argument"):
         message += "; several files of one recording are one name: frame=f.csv,left_wheel=l.csv"
     return message

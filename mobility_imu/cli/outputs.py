@@ -25,7 +25,7 @@ OTHER_KINDS = (
 """Endings that name a kind of file; others, such as .txt, and names without one do not."""
 
 
-def checked(
+def checked_outputs(
     files: Mapping[str, Path | None], inputs: tuple[Path, ...], kind: str = TABLE
 ) -> Outputs:
     """Outputs of one kind, checked as files and by their names.

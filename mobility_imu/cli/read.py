@@ -10,7 +10,7 @@ import typer
 from mobility_imu.cli.inputs import check_reading
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Quiet, Rate, table_file
-from mobility_imu.cli.outputs import checked, table_bytes
+from mobility_imu.cli.outputs import checked_outputs, table_bytes
 
 if TYPE_CHECKING:
     from mobility_imu.readers.recordings import Reading
@@ -54,7 +54,7 @@ def read(
     name = recording if len(recording) > 1 else recording[0]
     files = recording_files(name)
     inputs = (*files, *([] if map_path is None else [map_path]))
-    outputs = checked({"--output": output}, inputs)
+    outputs = checked_outputs({"--output": output}, inputs)
     check_reading(sampling_rate_hz, fill_gaps_s)
     found = understand(
         name,

@@ -27,7 +27,7 @@ from mobility_imu.cli.options import (
     sub_app,
     table_file,
 )
-from mobility_imu.cli.outputs import MOUNT, checked, table_bytes
+from mobility_imu.cli.outputs import MOUNT, checked_outputs, table_bytes
 from mobility_imu.errors import InputError
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def angles(
     from mobility_imu.readers import recording_files
     from mobility_imu.scooter import RideSettings
 
-    outputs = checked({"--output": output}, (*recording_files(recording), geometry))
+    outputs = checked_outputs({"--output": output}, (*recording_files(recording), geometry))
     _check_options(method, single_imu, acc_noise_mps2)
     _tell_unused(method, form=form, median_window=median_window, causal=causal)
     with as_typed(WORDS):
@@ -131,7 +131,7 @@ def angles(
             acc_noise_mps2=acc_noise_mps2,
             smooth=not causal,
         )
-    scooter, mount = _read_geometry(geometry)
+    scooter, mount = _read_scooter_and_mount(geometry)
     ride = read_input(recording, "scooter", sampling_rate_hz, fill_gaps_s)
     if "body" not in ride.sensors and not single_imu:
         raise InputError(
@@ -143,7 +143,7 @@ def angles(
     summarize([read_line(ride), *ride_lines(found), written_line([output])], quiet)
 
 
-def _read_inclinations(path: Path) -> ScooterGeometry:
+def _read_scooter(path: Path) -> ScooterGeometry:
     """Geometry; warns of an inclination that is possible, and probably another one."""
     import math
 
@@ -160,11 +160,11 @@ def _read_inclinations(path: Path) -> ScooterGeometry:
     return geometry
 
 
-def _read_geometry(path: Path) -> tuple[ScooterGeometry, ScooterMount | None]:
+def _read_scooter_and_mount(path: Path) -> tuple[ScooterGeometry, ScooterMount | None]:
     """Geometry and mount; warns of numbers that are possible, and probably meant otherwise."""
     from mobility_imu.scooter import ScooterMount
 
-    geometry, mount = _read_inclinations(path), ScooterMount.in_toml(path)
+    geometry, mount = _read_scooter(path), ScooterMount.in_toml(path)
     sd_rad = None if mount is None else mount.sd_rad
     warn(sd_in_degrees(path, "[scooter.mount] sd_rad", sd_rad))
     return geometry, mount
@@ -249,8 +249,8 @@ def calibrate(
     from mobility_imu.scooter import calibrate_mount, find_faults
 
     files = (file for path in parked for file in recording_files(path))
-    outputs = checked({"--output": output}, (*files, geometry, poses), MOUNT)
-    scooter, settings = _read_inclinations(geometry), read_poses(poses)
+    outputs = checked_outputs({"--output": output}, (*files, geometry, poses), MOUNT)
+    scooter, settings = _read_scooter(geometry), read_poses(poses)
     recordings = [read_input(path, "scooter", sampling_rate_hz, fill_gaps_s) for path in parked]
     of = [(one, fault) for one in recordings for fault in find_faults(one, scooter)]
     faults = [fault for _, fault in of]
@@ -329,9 +329,9 @@ def check(
         find_faults,
     )
 
-    outputs = checked({"--output": output}, (*recording_files(parked), geometry, poses))
+    outputs = checked_outputs({"--output": output}, (*recording_files(parked), geometry, poses))
     settings = _check_settings(method, sensors, scale_sd_deg, kept_on)
-    scooter, mount = _read_geometry(geometry)
+    scooter, mount = _read_scooter_and_mount(geometry)
     set_rad = read_poses(poses)
     recording = read_input(parked, "scooter", sampling_rate_hz, fill_gaps_s)
     faults = find_faults(recording, scooter, mount, RideSettings(method=method))
@@ -400,6 +400,11 @@ def read_poses(path: Path) -> list[tuple[float, float]]:
     Returns
     -------
     list of (steering, throttle), rad
+
+    Raises
+    ------
+    InputError
+        If a column is missing, or an angle is missing or beyond half a turn.
     """
     import numpy as np
 

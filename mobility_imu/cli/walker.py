@@ -21,7 +21,7 @@ from mobility_imu.cli.options import (
     sub_app,
     table_file,
 )
-from mobility_imu.cli.outputs import MOUNT, checked, table_bytes
+from mobility_imu.cli.outputs import MOUNT, checked_outputs, table_bytes
 from mobility_imu.errors import InputError
 
 Method = Literal["four-tilts", "two-tilts", "all-samples"]
@@ -104,7 +104,7 @@ def calibrate(
     )
     from mobility_imu.walker.faults import not_told
 
-    outputs = checked({"--output": output}, (*recording_files(tilts), geometry), MOUNT)
+    outputs = checked_outputs({"--output": output}, (*recording_files(tilts), geometry), MOUNT)
     if form != "corrected" and method == "all-samples":
         warn([f"--form has no effect with --method {method}"])
     frame = WalkerGeometry.from_toml(geometry)
@@ -172,7 +172,7 @@ def trajectory(
     from mobility_imu.walker import WalkerMount
 
     files = (*recording_files(walk), geometry, *([] if rests is None else [rests]))
-    outputs = checked({"--output": output, "--steps": steps}, files)
+    outputs = checked_outputs({"--output": output, "--steps": steps}, files)
     mount = WalkerMount.from_toml(geometry)
     warn(sd_in_degrees(geometry, "[walker.mount] rotation_sd_rad", mount.rotation_sd_rad))
     recording = read_input(walk, "walker", sampling_rate_hz, fill_gaps_s)

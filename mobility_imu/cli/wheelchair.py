@@ -11,7 +11,7 @@ import typer
 from mobility_imu.cli.inputs import as_typed, check_reading, naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Quiet, Rate, Strict, Table, sub_app, table_file
-from mobility_imu.cli.outputs import check_kinds, checked, table_bytes
+from mobility_imu.cli.outputs import check_kinds, checked_outputs, table_bytes
 from mobility_imu.errors import InputError, MissingExtraError, needs
 from mobility_imu.files import Outputs, figure_bytes
 
@@ -96,7 +96,7 @@ def velocity(
     from mobility_imu.wheelchair.faults import not_told, with_valid
 
     trials = (trial, static, straight)
-    outputs = checked({"--output": output}, (*_files(trials), geometry))
+    outputs = checked_outputs({"--output": output}, (*_files(trials), geometry))
     _tell_unused(smoothing, filter_window, filter_order)
     chair = _read_geometry(geometry)
     read = _read(trials, sampling_rate_hz, fill_gaps_s)

@@ -47,7 +47,7 @@ def fetch_dataset(name: str, *, progress: Callable[[str], None] | None = None) -
     ------
     InputError
         If the origin cannot be reached or holds something else, git or pooch is missing, the disk
-        is full, or the cache holds another folder of this name.
+        is full, the cache holds another folder of this name, or an argument is wrong.
     """
     dataset = find_dataset(name)
     if not (progress is None or callable(progress)):

@@ -10,9 +10,9 @@ from mobility_imu.frames import FloatArray, as_floats, as_number
 from mobility_imu.runs import runs_of
 
 LEAST_CUTOFF = 1e-6
-"""Of the rate; below it the filter's equations cannot be solved."""
+"""Smallest cutoff, as a part of the rate; below it the filter's equations cannot be solved."""
 FEWEST_SAMPLES = 10
-"""By which a series is mirrored at its ends."""
+"""The filter mirrors a series at its ends by 9 samples, and needs one more."""
 
 
 def low_pass(values: ArrayLike, cutoff_hz: float, rate_hz: float) -> FloatArray:
@@ -27,6 +27,11 @@ def low_pass(values: ArrayLike, cutoff_hz: float, rate_hz: float) -> FloatArray:
     Returns
     -------
     array of the same shape
+
+    Raises
+    ------
+    InputError
+        If the cutoff is not below half of the rate, or the series are too short or not finite.
     """
     from scipy import signal
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
-from mobility_imu.readers.table import NumberTable, cells_of, line_of, parse_numbers
+from mobility_imu.readers.table import NumberTable, cells_of, parse_numbers
 from mobility_imu.readers.wording import named, quoted
 
 TRUE = frozenset({"true", "t", "yes", "y", "vrai", "oui", "verdadero", "sí", "si"})
@@ -64,20 +64,19 @@ def flag_column(table: NumberTable, place: int) -> FloatArray:
         flags = table.numbers[:, table.header.index(name)]
         wrong = ~(np.isnan(flags) | (flags == 0) | (flags == 1))
         if wrong.any():
-            row = int(np.argmax(wrong))
-            line = line_of(table.text, row, table.first_line)
-            raise _no_flag(table, line, name, f"{flags[row]:g}")
+            cells = cells_of(table.text, place, table.source, table.first_line)
+            raise _no_flag(table, name, *cells[int(np.argmax(wrong))])
         return flags
     words = []  # cell by cell, which is slow
     for line, cell in cells_of(table.text, place, table.source, table.first_line):
         try:
             words.append(_flag(cell))
         except ValueError:
-            raise _no_flag(table, line, name, cell) from None
+            raise _no_flag(table, name, line, cell) from None
     return np.array(words)
 
 
-def _no_flag(table: NumberTable, line: int, name: str, cell: str) -> InputError:
+def _no_flag(table: NumberTable, name: str, line: int, cell: str) -> InputError:
     return InputError(
         f"{table.source}: line {line}, column {named(name)}: got '{quoted(cell)}', expected 1 or "
         "0, TRUE or FALSE, yes or no"

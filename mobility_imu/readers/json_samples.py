@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.readers.json_text import RepeatedKeyError, load_json
+from mobility_imu.readers.json_text import load_recording
 from mobility_imu.readers.streams import Asked, Stream, stream_in_g_and_degrees
 from mobility_imu.readers.table import NumberTable
 from mobility_imu.readers.wording import quoted
@@ -84,12 +84,7 @@ def json_table(text: str, source: str, keys: Sequence[str]) -> NumberTable:
     InputError
         If it is no such array, or a value is no number.
     """
-    try:
-        samples = load_json(text)
-    except RepeatedKeyError as error:
-        raise InputError(f"{source}: {error}") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{source}: no JSON ({error}); is the file complete?") from None
+    samples = load_recording(text, source)
     if not isinstance(samples, list) or not samples:
         raise InputError(f"{source}: expected a JSON array of samples")
     rows = np.empty((len(samples), len(keys)))
@@ -123,7 +118,11 @@ def json_number(value: object) -> float:
     ValueError
         If it is none; Python takes true for 1, "1_0" for 10, and digits of other scripts.
     """
-    if isinstance(value, bool) or "_" in str(value) or not str(value).isascii():
+    if type(value) is float:  # as most are
+        return value
+    if isinstance(value, bool) or (
+        isinstance(value, str) and ("_" in value or not value.isascii())
+    ):
         raise ValueError(value)
     try:
         return float(value)  # type: ignore[arg-type]  # what is no number is refused

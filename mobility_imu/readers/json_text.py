@@ -34,10 +34,37 @@ def load_json(text: str) -> Any:
     return json.loads(text, object_pairs_hook=_without_repeats)
 
 
+def load_recording(text: str, source: str) -> Any:
+    """Content of a recording in JSON.
+
+    Parameters
+    ----------
+    text : content of the file
+    source : the file's name, for messages
+
+    Returns
+    -------
+    as :func:`load_json`
+
+    Raises
+    ------
+    InputError
+        If it is no JSON, or a key stands twice in one object.
+    """
+    try:
+        return load_json(text)
+    except RepeatedKeyError as error:
+        raise InputError(f"{source}: {error}") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{source}: no JSON ({error}); is the file complete?") from None
+
+
 def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for k, key in enumerate(keys) if key in keys[:k])
-        raise RepeatedKeyError(f"{named(twice)} stands twice in one object")
+        seen: set[str] = set()
+        for key, _ in pairs:
+            if key in seen:
+                raise RepeatedKeyError(f"{named(key)} stands twice in one object")
+            seen.add(key)
     return found

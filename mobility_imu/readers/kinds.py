@@ -1,4 +1,4 @@
-"""What a file is that is no text: known by its content, whatever its name."""
+"""What a file is that is no text of numbers: known by its content, whatever its name."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ EXPORT = "export it as CSV and read that"
 
 
 def what_to_do(raw: bytes, *, export: str = EXPORT) -> str:
-    """What a file is that is no text, and what to do with it: the end of a message.
+    """What a file is that holds no text of numbers, and what to do: the end of a message.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def what_to_do(raw: bytes, *, export: str = EXPORT) -> str:
     packed = _first(PACKED, raw)
     if packed:
         return f"is packed by {packed}; unpack it and read what is in it"
-    if raw[TAR_PLACE:].startswith(TAR_MARK) and b"\0" in raw[:TAR_PLACE]:
+    if raw.startswith(TAR_MARK, TAR_PLACE) and b"\0" in raw[:TAR_PLACE]:
         return "is a tar archive; unpack it and read what is in it"
     if raw.startswith(_ZIP):
         return _in_archive(raw, export) or f"is an archive or a workbook; {export}"
@@ -113,7 +113,10 @@ def is_plain(raw: bytes) -> bool:
 
 
 def _first(kinds: Mapping[bytes, str], raw: bytes) -> str:
-    return next((kind for begin, kind in kinds.items() if raw.startswith(begin)), "")
+    found = next((begin for begin in kinds if raw.startswith(begin)), b"")
+    if found.isalnum() and is_plain(raw):  # the name of a column may begin with these letters
+        return ""
+    return kinds.get(found, "")
 
 
 def _in_archive(raw: bytes, export: str) -> str:

@@ -15,7 +15,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray
 from mobility_imu.readers.halves import Half, join_halves
 from mobility_imu.readers.json_samples import json_number
-from mobility_imu.readers.json_text import RepeatedKeyError, load_json
+from mobility_imu.readers.json_text import load_recording
 from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
 from mobility_imu.readers.wording import listed
 
@@ -77,15 +77,11 @@ def read_movesense(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
 
 def _lists(text: str, source: str) -> tuple[list[Any], list[Any]]:
     """Blocks with accelerations and blocks with rates; the same list where each has both."""
+    log = load_recording(text, source)
     try:
-        log = load_json(text)
         measured = log["Meas"] if "Meas" in log else _by_kind(log["Samples"])
         kind = next((name for name in LISTS if name in measured), None)
         found = (measured[kind or "Acc"], measured[kind or "Gyro"])
-    except RepeatedKeyError as error:
-        raise InputError(f"{source}: {error}") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{source}: no JSON ({error}); is the file complete?") from None
     except (KeyError, TypeError, AttributeError):
         raise InputError(
             f"{source}: no list {listed(LISTS)} under Meas; record acceleration and rate together"

@@ -584,12 +584,13 @@ def _is_there(path: Path) -> bool:
 
 
 def _not_there(path: Path) -> str:
-    """What a name leads to that is no file; an error where the system does not tell."""
+    """What a name leads to that is no file; raises an InputError if the system does not tell."""
     try:
         return "is a folder" if stat.S_ISDIR(path.stat().st_mode) else "no such file"
     except ValueError:
         return "no such file"
     except OSError as error:
-        if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG):
+        # Windows has no files with some characters in their names.
+        if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG, errno.EINVAL):
             return "no such file"
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None

@@ -20,7 +20,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2
 from mobility_imu.readers.halves import Half, join_halves
 from mobility_imu.readers.json_samples import json_number
-from mobility_imu.readers.json_text import RepeatedKeyError, load_json
+from mobility_imu.readers.json_text import load_recording
 from mobility_imu.readers.layout import find_layout, split_row
 from mobility_imu.readers.streams import TIME_UNITS, Asked, Stream
 from mobility_imu.readers.table import parse_numbers
@@ -85,12 +85,7 @@ def read_sensor_logger_file(text: str, source: str, asked: Asked) -> tuple[Strea
 
 def _tables(text: str, source: str) -> dict[str, str]:
     """Rows of an export as JSON, as the tables of an export as CSV."""
-    try:
-        records = load_json(text)
-    except RepeatedKeyError as error:
-        raise InputError(f"{source}: {error}") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{source}: no JSON ({error}); is the file complete?") from None
+    records = load_recording(text, source)
     rows: dict[str, list[list[object]]] = {}
     for k, record in enumerate(records):
         if not isinstance(record, dict):

@@ -22,6 +22,14 @@ def test_an_option_that_is_none_is_no_file(fails):
     fails(*trajectory(mount=TRUE_MOUNT), "--qick", says=["--qick"])
 
 
+def test_an_option_is_no_file_though_one_has_its_name(tmp_path, fails):
+    (tmp_path / "-o").write_text("")
+    line = trajectory(mount=TRUE_MOUNT)
+    assert "-o" in line
+    said = fails(*line, "--qick", says=["--qick"])
+    assert "./-o" not in said
+
+
 @pytest.mark.parametrize("order", ["Front,Back,Right,Left", " FRONT, back,RIGHT ,left"])
 def test_the_order_may_be_in_capitals(works, order):
     assert "warning" not in works(*calibrate(), "--order", order).stderr

@@ -46,6 +46,20 @@ def test_a_file_in_a_folder_that_may_not_be_entered(tmp_path, monkeypatch):
             understand(folder / name)
 
 
+def test_a_name_that_no_file_can_have(tmp_path, monkeypatch):
+    """Windows says so of a name with a question mark."""
+    stat = os.stat
+
+    def of(path, *arguments, **options):
+        if "?" in str(path):
+            raise OSError(errno.EINVAL, os.strerror(errno.EINVAL), str(path))
+        return stat(path, *arguments, **options)
+
+    monkeypatch.setattr(os, "stat", of)
+    with pytest.raises(InputError, match="no such file"):
+        understand(tmp_path / "ride?.csv")
+
+
 def test_a_session_in_a_folder_that_may_not_be_entered(tmp_path, monkeypatch):
     (tmp_path / "Inertial.csv").write_text("")
     monkeypatch.setattr(os, "access", lambda *_: False)

@@ -11,6 +11,7 @@ import zipfile
 
 import dialects
 import numpy as np
+import pandas as pd
 import pytest
 from test_dialects import made
 from test_odd_files import refused
@@ -136,6 +137,16 @@ def test_settings_and_geometry_are_not_to_be_exported(tmp_path, kind):
     path.write_bytes(KINDS[kind][0])
     assert refused(read_section, path, "walker", ["a"]).endswith("; expected TOML")
     assert refused(read_json_numbers, path).endswith("; expected JSON")
+
+
+@pytest.mark.parametrize("sensor", ["PAR1", "FEA1", "ARROW1", "RIFF", "GIF8", "TDSm", "BZh"])
+def test_a_name_of_a_column_may_begin_as_a_kind(tmp_path, sensor):
+    """Those that begin with letters hold bytes that no text has, too."""
+    path = dialects.canonical(made(), tmp_path)
+    table = pd.read_csv(path).rename(columns=lambda name: name.replace("frame_", f"{sensor}_"))
+    table[[*table.columns[1:], "time_s"]].to_csv(path, index=False)
+    assert path.read_text().startswith(sensor)
+    assert list(understand(path).recording.sensors) == [sensor]
 
 
 def test_texts_are_none_of_these_kinds(tmp_path):

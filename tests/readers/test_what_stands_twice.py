@@ -1,6 +1,7 @@
 """Columns and keys that stand twice, and keys of blanks: refused by their names."""
 
 import json
+import time
 
 import dialects
 import pytest
@@ -48,6 +49,15 @@ def test_a_key_of_sensor_logger(tmp_path):
     text = again('[{"sensor":"Accelerometer", "x": 1}]', "x")
     says = "log.json: x stands twice in one object"
     assert refused(read_sensor_logger_file, text, "log.json", Asked()) == says
+
+
+def test_a_late_key_among_many_is_found_at_once():
+    """Each key was compared with all before it: minutes for an object of 100,000."""
+    text = json.dumps({f"k{k}": k for k in range(100_000)})[:-1] + ', "k99999": 1}'
+    begin = time.perf_counter()
+    says = "log.json: k99999 stands twice in one object"
+    assert refused(read_sensor_logger_file, f"[{text}]", "log.json", Asked()) == says
+    assert time.perf_counter() - begin < 5
 
 
 @pytest.mark.parametrize("digits", ["\u0661.\u0665", "1_0.5", True])
