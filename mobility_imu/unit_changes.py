@@ -65,11 +65,11 @@ MOVES_MPS2, MOVES_RADPS = 1.0, 0.1
 """Change of force from one window to the next that only a move has, and a rate that a move has."""
 
 FEWEST_QUIET, QUIET_MPS2, NOISIEST_RADPS = 5, 0.3, 0.15
-"""Windows at rest that show its noise, our choice, not swept. Median change of the force in a window,
-up to which a sensor rests; and of the rates at rest, beyond which they are not in rad/s: three times
-the 0.05 of all but two of 152 gyroscopes of real recordings. Of 194 simulated parts in deg/s 187 are
-told with their rows (152 without it), and 20 of 1008 recordings with noise in one half are (76
-without it; seeds from 911,000 on)."""
+"""Windows at rest that show its noise, our choice, not swept. Median change of the force in a
+window, up to which a sensor rests; and of the rates at rest, beyond which they are not in
+rad/s: three times the 0.05 of all but two of 152 gyroscopes of real recordings. Of 194
+simulated parts in deg/s 187 are told with their rows (152 without it), and 20 of 1008
+recordings with noise in one half are (76 without it; seeds from 911,000 on)."""
 
 
 class UnitChange(NamedTuple):
