@@ -452,8 +452,9 @@ def rescaled(
     -------
     Recording
     """
-    values = half_of(recording, sensor, half) * np.where(flags, factor, 1.0)[:, None]
-    return with_half(recording, sensor, half, values)
+    values = half_of(recording, sensor, half)
+    flags, factor = as_flags(flags, "flags", length=len(values)), as_number(factor, "factor")
+    return with_half(recording, sensor, half, values * np.where(flags, factor, 1.0)[:, None])
 
 
 def shifted(

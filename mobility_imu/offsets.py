@@ -281,8 +281,9 @@ def gyroscope_offset(
     count = len(blocks)
     if count * block < round(SHORTEST_REST_S * rate) or count < 2:
         return None
-    # Of many, evenly spaced ones find the middle: all distances of a day would fill the memory.
-    some = blocks[:: -(-count // MOST_COMPARED)]
+    # Of many, some find the middle: all distances of a day would fill the memory. They are drawn at
+    # random: of a motion that comes again and again, evenly spaced ones may all be a part.
+    some = blocks[np.sort(np.random.default_rng(0).permutation(count)[:MOST_COMPARED])]
     apart = np.linalg.norm(some[:, None] - some, axis=2)
     from_middle = np.linalg.norm(some[int(np.argmin(apart.sum(axis=1)))] - blocks, axis=1)
     blocks = blocks[from_middle <= FARTHEST_BLOCK * np.median(from_middle)]

@@ -206,6 +206,8 @@ def test_a_rate_beyond_any_sensor_leaves_no_block_of_rest(rate):
         (lambda: faults.multiplied(STILL, "frame", "acc", [1, 2]), "factors"),
         (lambda: faults.without_offset(STILL, "frame", [1, 2]), "offset_radps"),
         (lambda: faults.interpolated(STILL, "frame", "acc", ALL[1:]), "flags"),
+        (lambda: faults.rescaled(STILL, "frame", "acc", ALL[1:], 2.0), "flags"),
+        (lambda: faults.rescaled(STILL, "frame", "acc", ALL, float("nan")), "factor"),
         (lambda: faults.half_of(STILL, np.array(["frame", "a"]), "acc"), "sensor"),
         (lambda: faults.all_repaired(np.array(5.0), STILL), "faults"),
         (lambda: faults.all_repaired("ab", STILL), "faults"),

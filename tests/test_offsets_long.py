@@ -29,6 +29,15 @@ def test_a_day_of_rest_needs_little_memory(moved):
     assert np.abs(found.offset_radps - OFFSET_RADPS).max() < 2e-5
 
 
+@pytest.mark.parametrize("period", [3, 4])
+def test_a_motion_that_comes_again_and_again_is_left_out_of_a_long_rest(period):
+    """Blocks that are evenly spaced may be those that move, each of them."""
+    gyr, flags = rest(period * MOST_COMPARED)
+    gyr[np.arange(len(gyr)) // 5 % period == 0] += 0.03
+    found = gyroscope_offset(gyr, flags, 10)
+    assert np.abs(found.offset_radps - OFFSET_RADPS).max() < 1e-4
+
+
 def test_the_middle_of_many_is_that_of_all():
     """One block more than are compared, each with each: the offset is the same to its noise."""
     few = gyroscope_offset(*rest(MOST_COMPARED, moved=0.3), 10)

@@ -7,6 +7,10 @@ from mobility_imu.data import recordings_folder
 from mobility_imu.errors import InputError
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
+from mobility_imu.reproduction.walker.fault_motions import foot_motion, rolling_motion
+from mobility_imu.simulation.bundle import WALKER_LEVELS
+from mobility_imu.simulation.levels import MOUNTS
+from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
 from mobility_imu.unit_changes import find_unit_change
 from mobility_imu.walker import WalkerMount, calibrate_mount, estimate_trajectory
 from mobility_imu.walker.geometry import FOOTPRINT as FRAME
@@ -164,14 +168,56 @@ OTHERS = {
 }
 
 
-@pytest.mark.parametrize("size_radps", [0.3, 0.5, 1, 2, 5])
+@pytest.mark.parametrize("size_radps", [0.1, 0.15, 0.2, 0.3, 0.5, 1, 2, 5])
 @pytest.mark.parametrize("seed", range(8))
 def test_noise_in_a_half_is_no_change_of_unit(walk, seed, size_radps):
-    """It is as large at rest as in moves, which a unit's is not."""
+    """It is as large at rest as in moves, which a unit's is not; 0.1 rad/s are 57 times its own."""
     rng = np.random.default_rng(seed)
     half = slice(len(walk) // 2, None) if seed % 2 else slice(len(walk) // 2)
     noisy = with_rates(walk, lambda gyr: gyr + rng.normal(0, size_radps, gyr.shape), half)
     assert find_unit_change(noisy) is None
+
+
+MOTIONS = {
+    "foot": lambda seed: foot_motion(seed, 0.5),
+    "rolled frame": rolling_motion,
+    "walk": lambda seed: simulate_walk(CORRIDOR, seed=seed),
+}
+SEED = 911_002
+
+
+def recorded(motion):
+    sensor = WALKER_LEVELS["realistic"].sensor
+    made = MOTIONS[motion](SEED)
+    return attach_imu(made, MOUNTS["1"], sensor, seed=SEED, unit_seed=SEED).recording
+
+
+@pytest.fixture(scope="module", params=MOTIONS)
+def moved(request):
+    return recorded(request.param)
+
+
+@pytest.mark.parametrize("first", [True, False])
+@pytest.mark.parametrize("size_radps", [0.05, 0.1, 0.2])
+def test_noise_that_is_as_many_times_larger_as_a_unit_is_none(moved, size_radps, first):
+    """At rest it looks like one; the moves stay what they were."""
+    half = slice(len(moved) // 2) if first else slice(len(moved) // 2, None)
+    rng = np.random.default_rng(911_100)
+    noisy = with_rates(moved, lambda gyr: gyr + rng.normal(0, size_radps, gyr.shape), half)
+    assert find_unit_change(noisy) is None
+
+
+@pytest.mark.parametrize("at", [0.5, 0.75, 0.9])
+@pytest.mark.parametrize("first", [True, False])
+def test_the_noise_at_rest_tells_which_part_is_in_degrees(first, at):
+    """Of a frame that is rolled no turn is felt, and the larger part may be the wrong one."""
+    recording = recorded("rolled frame")
+    count = round(at * len(recording))
+    rows = slice(count) if first else slice(-count, None)
+    found = find_unit_change(with_rates(recording, lambda gyr: DEG * gyr, rows))
+    begin, end = recording.time_s[rows][[0, -1]]
+    assert "is it in deg/s there?" in found.sentence
+    assert np.allclose(found.spans_s, [(begin, end)], atol=0.05)
 
 
 @pytest.mark.parametrize("fault", OTHERS)

@@ -34,8 +34,6 @@ from mobility_imu.walker.geometry import (
     Edge,
     TiltDirection,
     WalkerGeometry,
-    rotation_body_to_world,
-    rotation_world_to_imu,
 )
 from mobility_imu.walker.mount import REACH_M, WalkerMount
 from mobility_imu.walker.navigation import Navigation, NavigationSettings
@@ -48,19 +46,12 @@ from mobility_imu.walker.sensor_errors import (
 )
 from mobility_imu.walker.stillness import StillnessSettings
 from mobility_imu.walker.tilt_detection import Tilt, check_order, find_tilts
+from mobility_imu.walker.tilt_ends import arms_by_velocity, distances_by_ends, rotation_by_ends
 from mobility_imu.walker.tilt_equations import (
     Form,
-    arm_angle,
-    distance_to_edge,
-    forward_axis,
     position_four_tilts,
     position_gain,
     position_two_tilts,
-    quaternion_from_rotation,
-    rotation_imu_to_body,
-    tilt_angle,
-    tilt_displacement,
-    tilt_rotation,
 )
 
 __all__ = [
@@ -368,30 +359,14 @@ def _as_the_paper(
 ) -> WalkerCalibration:
     """Mount by eqs 3 to 19, from the two ends of the tilts."""
     geometry, form = with_.geometry, with_.form
-    back = have["back"]
-    displacement = tilt_displacement(path.position_m[back.span.start : back.top + 1])
-    body = rotation_body_to_world(forward_axis(displacement))
-    imu_to_body = rotation_imu_to_body(body, path.quaternion[back.span.start])
-    distances: dict[TiltDirection, float] = {}
-    for name in needed:
-        tilt = have[name]
-        start = path.quaternion[tilt.span.start]
-        # The frame may stand a little turned after an earlier tilt: its axes at this tilt's start.
-        here = rotation_world_to_imu(start).T @ imu_to_body.T
-        turned = tilt_rotation(here, path.quaternion[tilt.top], imu_to_body)
-        chord = tilt_displacement(path.position_m[tilt.span.start : tilt.top + 1])
-        distances[name] = distance_to_edge(
-            float(np.linalg.norm(chord)), tilt_angle(quaternion_from_rotation(turned))
-        )
+    tilts = {name: have[name] for name in needed}
+    imu_to_body = rotation_by_ends(path, have["back"])
+    distances = distances_by_ends(path, tilts, imu_to_body)
     if len(needed) == 4:
         place = position_four_tilts(distances, geometry, form=form)
         notes += _ill_conditioned(distances, geometry, form)
     else:
-        arms = {}
-        for name in needed:
-            k, theta = _early_in_tilt(path, have[name], velocity_tilt_rad)
-            lag = 0.0 if form == "printed" else theta
-            arms[name] = arm_angle(path.velocity_mps[k], tilt_rad=lag)
+        arms = arms_by_velocity(path, tilts, velocity_tilt_rad, form)
         place = position_two_tilts(
             distances["back"],
             distances["right"],
@@ -405,23 +380,10 @@ def _as_the_paper(
         unknown,
         unknown,
         (np.nan, np.nan),
-        tuple(have[name] for name in needed),
+        tuple(tilts.values()),
         tuple(notes),
         **with_._asdict(),
     )
-
-
-def _early_in_tilt(path: Navigation, tilt: Tilt, wanted_rad: float) -> tuple[int, float]:
-    """First sample of the movement that is tilted by the wanted angle, and its angle."""
-    attitude = path.rotation_imu_to_world()[tilt.span.start : tilt.top + 1, 2]
-    lean = np.arccos(np.clip(attitude @ attitude[0], -1, 1))
-    beyond = np.nonzero(lean >= wanted_rad)[0]
-    if not len(beyond):
-        raise InputError(
-            f"velocity_tilt_rad = {wanted_rad:g}: the tilt to the {tilt.direction} does not get "
-            "there"
-        )
-    return tilt.span.start + int(beyond[0]), float(lean[beyond[0]])
 
 
 def _ill_conditioned(

@@ -412,7 +412,7 @@ def _fitted(
     def at(errors: FloatArray, attitudes: _Attitudes) -> FloatArray:
         return weighed(batch.misfit(attitudes, errors[OFFSETS]))
 
-    found, sd = start, np.full(8, np.inf)
+    found, sd = start.copy(), np.full(8, np.inf)
     for _ in range(ROUNDS):
         # A lag is taken in whole samples: its slope comes from some of them.
         steps = np.array([2 / batch.rate_hz, 0.02 * max(1.0, found[1]), *[0.05] * 3, *[0.005] * 3])

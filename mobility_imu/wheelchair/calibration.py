@@ -55,7 +55,7 @@ Form = Literal["corrected", "printed"]
 # A chair that stands still shows sensor noise only: a few 0.01 rad/s.
 LARGEST_STILL_RATE_RADPS = 0.1
 # Gravity turns so far with a wheel that rolls, or a frame that is tipped, by 6 deg. Of six real
-# chairs at rest, wheels have up to 0.8 and frames up to 0.5. A mean leaves out knocks.
+# chairs at rest, wheels have up to 0.8 and frames up to 0.5. Means leave out knocks and shaking.
 LARGEST_STILL_CHANGE_MPS2, STILL_SMOOTHING_S = 1.0, 0.25
 # Half a turn of the wheel is one push; less than that does not show its axle.
 SMALLEST_TRAVEL_RAD = np.pi
@@ -453,10 +453,11 @@ def _moved_at_rest(static: Recording) -> tuple[str, ...]:
         imu = static.sensors.get(name)
         if imu is None or imu.gyr_radps is None:
             continue
-        force = ndimage.uniform_filter1d(
-            imu.acc_mps2, max(1, round(STILL_SMOOTHING_S * fs)), axis=0
+        force, rate = (
+            ndimage.uniform_filter1d(values, max(1, round(STILL_SMOOTHING_S * fs)), axis=0)
+            for values in (imu.acc_mps2, imu.gyr_radps)
         )
-        rates[name] = float(np.sqrt(np.mean(np.square(imu.gyr_radps)) * 3))
+        rates[name] = float(np.sqrt(np.mean(np.square(rate)) * 3))
         changes[name] = float(np.ptp(force, axis=0).max())
     wheels = [name for name in rates if name != "frame"]
     turning = [

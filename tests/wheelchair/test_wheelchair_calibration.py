@@ -229,6 +229,23 @@ def test_a_static_trial_whose_wheels_roll_is_refused_with_their_rate(noise):
         calibrate_mount(moved(static.recording, rolling, *names), straight.recording)
 
 
+def test_wheels_that_only_shake_in_the_static_trial_do_not_roll():
+    """A hand on the rims, or a motor beside the chair: fast, and about no axle."""
+    static, straight, _ = trials(SAMPLE_CHAIR, 8, noise=LIKE_SAMPLE)
+    rng, trial = np.random.default_rng(911_200), static.recording
+    shaken = {
+        name: Imu(
+            imu.acc_mps2 + rng.normal(0, 1.5, (len(trial), 3)),
+            imu.gyr_radps + rng.normal(0, 0.15, (len(trial), 3)),
+        )
+        for name, imu in trial.sensors.items()
+        if name != "frame"
+    }
+    still = Recording(trial.time_s, trial.sensors | shaken, source="static")
+    told = calibrate_mount(still, straight.recording).warnings
+    assert not any("static trial" in text for text in told)
+
+
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_a_wheel_that_is_turned_by_hand_in_the_static_trial_is_told(side):
     static, straight, _ = trials(SAMPLE_CHAIR, 8, noise=LIKE_SAMPLE)
