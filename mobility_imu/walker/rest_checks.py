@@ -67,6 +67,9 @@ LEVEL_M = 0.4
 """Sum of the moves' heights from which on they say nothing of the halves: the floor may not be
 level. On a ramp of 3 deg and more they passed for lags of up to 0.1 s and scales of 16 %. The
 heights of 80 simulated walks on a level floor add up to 0.21 m."""
+LEVEL_BY_OFFSET_M = 0.1
+"""The same sum beside a fitted offset of the accelerometer, up to which the floor may be level: of
+50 simulated walks, level "real", on a level floor it is at most 0.06 m."""
 NO_TURN = np.zeros(3)
 UP = np.array([0.0, 0.0, 1.0])
 NO_ERROR = np.array([0.0, 1.0, *[0.0] * 6])
@@ -372,7 +375,7 @@ def fit_halves(readings: Readings) -> HalvesFit:
         return UNSEEN
 
     stated_misfit = batch.misfit(batch.turned())
-    rises = np.abs(np.cumsum(stated_misfit[:, 5])).max() > LEVEL_M
+    rises = _largest_sum(stated_misfit[:, 5]) > LEVEL_M
     usual = SIZES[:5] if rises else SIZES
 
     def weighed(misfit: FloatArray) -> FloatArray:
@@ -388,8 +391,15 @@ def fit_halves(readings: Readings) -> HalvesFit:
     best = int(np.argmin(sizes))
     if sizes[best] < min(CLEARLY * without, CLEARLY * stated, least):
         return HalvesFit(True, choices[best], left=sizes[best])
-    start = np.array([lag, scale, *[0.0] * 6])
-    found, sd = _fitted(batch, start, weighed)
+    starts = np.array([lag, scale, *[0.0] * 6]), NO_ERROR.copy()
+    fits = [_best_fitted(batch, starts, weighed)]
+    if rises:
+        # The floor, or the accelerometer's offset: a lag is one only if it is by both.
+        level, sd = _best_fitted(batch, starts, lambda misfit: misfit / SIZES)
+        heights = batch.misfit(_turned(batch, level), level[OFFSETS])[:, 5]
+        if _largest_sum(heights) < LEVEL_BY_OFFSET_M:
+            fits.append((level, sd))
+    found, sd = min(fits, key=lambda fit: float(abs(fit[0][0]) / fit[1][0]))
     left = _size(weighed(batch.misfit(_turned(batch, found), found[OFFSETS])))
     if left > CLEARLY * without:
         return UNSEEN._replace(silent=without > MUCH and _says_nothing(readings), left=left)
@@ -400,8 +410,39 @@ def fit_halves(readings: Readings) -> HalvesFit:
     return HalvesFit(True, np.ones(3), lag, float(sd[0]), scale, float(sd[1]), left=left)
 
 
+def _largest_sum(heights_m: FloatArray) -> float:
+    """Height of the highest or lowest place above the start, m."""
+    return float(np.abs(np.cumsum(heights_m)).max())
+
+
 def _turned(batch: _Batch, errors: FloatArray) -> _Attitudes:
     return batch.turned(errors[1], float(errors[0]), errors[5:8])
+
+
+def _best_fitted(
+    batch: _Batch,
+    starts: tuple[FloatArray, FloatArray],
+    weighed: Callable[[FloatArray], FloatArray],
+) -> tuple[FloatArray, FloatArray]:
+    """Better fit of two starts; its standard deviations say how sure both are of an error.
+
+    The grid knows no offset of the accelerometer, which may look late there: its start may lead to
+    a minimum beside that of no error, and as low. What speaks for an error is at most how much
+    worse the other fit is, and how far, in its own standard deviations, that is from no error.
+    """
+    fits = [_fitted(batch, start, weighed) for start in starts]
+    rows = [weighed(batch.misfit(_turned(batch, fit), fit[OFFSETS])) for fit, _ in fits]
+    weight = _weights(min(rows, key=_size))
+    scatter = min(_scatter(each, weight) for each in rows)
+    costs = [
+        (weight[:, None] * each**2).sum() / scatter
+        + (((fit - NO_ERROR) / _usual_errors(fit)) ** 2).sum()
+        for (fit, _), each in zip(fits, rows, strict=True)
+    ]
+    best = int(np.argmin(costs))
+    (found, sd), (other, other_sd) = fits[best], fits[1 - best]
+    speaks = costs[1 - best] - costs[best] + ((other - NO_ERROR) / other_sd) ** 2
+    return found, np.maximum(sd, np.abs(found - NO_ERROR) / np.sqrt(np.maximum(speaks, 1.0)))
 
 
 def _fitted(
@@ -471,22 +512,38 @@ def _step(
     here: FloatArray, slopes: FloatArray, errors: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Change of the errors, and their standard deviations, by the scatter of the moves or more."""
-    length = np.linalg.norm(here, axis=1)
-    weight = np.minimum(1.0, HUBER * np.median(length) / np.maximum(length, 1e-9))
-    # An error of the scale is as usual against the scale, so that another unit is found as well.
-    known = np.diag(1 / (USUAL_ERRORS * [1.0, max(1.0, errors[1]), *[1.0] * 6]) ** 2)
+    weight, known = _weights(here), np.diag(1 / _usual_errors(errors) ** 2)
     normal = np.einsum("m,pmk,qmk->pq", weight, slopes, slopes) + known
     pull = np.einsum("m,pmk,mk->pm", weight, slopes, here)
     change = -np.linalg.solve(normal, pull.sum(axis=1) + known @ (errors - NO_ERROR))
     rest = here + np.einsum("p,pmk->mk", change, slopes)
     inverse = np.linalg.inv(normal)
     pull = np.einsum("m,pmk,mk->pm", weight, slopes, rest)
-    # Few moves leave little scatter beside as many unknowns.
-    free = max(1.0, here.size - len(errors)) / here.size
     # What the moves hardly show is as unsure as it is known beforehand.
-    by_moves = inverse @ (pull @ pull.T / free + known) @ inverse
-    by_size = inverse * max(float((weight[:, None] * rest**2).mean()) / free, 1e-9)
+    by_moves = inverse @ (pull @ pull.T / _free(here) + known) @ inverse
+    by_size = inverse * _scatter(rest, weight)
     return change, np.sqrt(np.maximum(np.diag(by_moves), np.diag(by_size)))
+
+
+def _weights(rows: FloatArray) -> FloatArray:
+    """Huber's weights of the moves."""
+    length = np.linalg.norm(rows, axis=1)
+    return np.asarray(np.minimum(1.0, HUBER * np.median(length) / np.maximum(length, 1e-9)))
+
+
+def _usual_errors(errors: FloatArray) -> FloatArray:
+    """Of the scale it is against the scale, so that another unit is found as well."""
+    return np.asarray(USUAL_ERRORS * [1.0, max(1.0, errors[1]), *[1.0] * 6])
+
+
+def _free(rows: FloatArray) -> float:
+    """Part of the misfits that is free; few moves leave little scatter beside the unknowns."""
+    return max(1.0, rows.size - len(NO_ERROR)) / rows.size
+
+
+def _scatter(rows: FloatArray, weight: FloatArray) -> float:
+    """Mean square of weighed misfits."""
+    return max(float((weight[:, None] * rows**2).mean()) / _free(rows), 1e-9)
 
 
 def rest_rates(readings: Readings, shortest_s: float) -> tuple[list[slice], FloatArray]:
