@@ -48,6 +48,10 @@ sample to the next. With them all but 2 of 333 parts of simulated walks are foun
 ones without a fault. A gyroscope that is 30 times too large is none (1.9)."""
 CLEARLY_OFF = 1.0
 """Mean readings beside an edge that are so far off, as a logarithm, may be a move that begins."""
+JUMP_TIMES = 2.5
+"""Rates of a push go on from those before and after it; converted, they would jump by so many times
+as much, in parts of the rate. Without this, pushes in 22 of 840 sensors of clean courts were called
+parts in another unit; with it none, and of 149 made parts as many are found (144)."""
 MOST_REPEATED = 0.3
 """Part of a window's changes that may be none: from one half on, their median would be chance."""
 HOLDS_MOVES, MOVES, SAME_MOVES = 20, 0.9, float(np.log(4.0))
@@ -274,6 +278,8 @@ def _apart(half: _Half, part: _Part) -> float:
     Infinite if they are not: with noise that is added they stay. An edge at which a move begins
     says nothing of it; then the moves on both sides are compared.
     """
+    if half.turning is not None and _jumps(half, part):
+        return np.inf
     width = max(3, min(half.width, part.stop - part.start - 2 * GUARD))
     off = []
     for edge, sign in ((part.start, part.sign), (part.stop, -part.sign)):
@@ -298,6 +304,26 @@ def _apart(half: _Half, part: _Part) -> float:
     inside[(part.start - first) // half.width : (part.stop - first) // half.width] = True
     mine, others = (np.quantile(near[each], MOVES) for each in (inside, ~inside))
     return max(off) if abs(mine - others) < SAME_MOVES else np.inf
+
+
+def _jumps(half: _Half, part: _Part) -> bool:
+    """Whether converted rates of a part jump at an edge, where those that were read do not."""
+    factor = float(np.exp(-part.sign * half.ratio))
+    for edge, units in ((part.start, (1.0, factor)), (part.stop, (factor, 1.0))):
+        if edge < 2 * GUARD or edge + 2 * GUARD > len(half.values):
+            continue
+        before = half.values[edge - 2 * GUARD : edge - GUARD].mean(axis=0)
+        after = half.values[edge + GUARD : edge + 2 * GUARD].mean(axis=0)
+        read = _difference(before, after)
+        if _difference(before * units[0], after * units[1]) > JUMP_TIMES * read:
+            return True
+    return False
+
+
+def _difference(one: FloatArray, other: FloatArray) -> float:
+    """Length of the difference over that of the longer vector, 0 to 2."""
+    longer = max(float(np.linalg.norm(one)), float(np.linalg.norm(other)), SMALLEST)
+    return float(np.linalg.norm(other - one)) / longer
 
 
 class _Windows(NamedTuple):

@@ -8,6 +8,7 @@ from mobility_imu.errors import InputError
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_motions import foot_motion, rolling_motion
+from mobility_imu.reproduction.wheelchair.fault_kinds import MODELS, clean_drive
 from mobility_imu.simulation.bundle import WALKER_LEVELS
 from mobility_imu.simulation.levels import MOUNTS
 from mobility_imu.simulation.walker import CORRIDOR, attach_imu, simulate_walk
@@ -262,3 +263,12 @@ def test_every_door_names_the_unit(walk, find):
     said = (None, WalkerMount.from_toml(TRUE_MOUNT)) if find is estimate_trajectory else (FRAME,)
     with pytest.raises(InputError, match=r"walk: frame_gyr reads .* is it in deg/s there\?"):
         find(wrong, *said)
+
+
+@pytest.mark.parametrize(
+    ("seed", "sensor"), [(318011, "right_wheel"), (319002, "left_wheel"), (320048, "left_wheel")]
+)
+def test_a_hard_push_is_no_part_in_degrees(seed, sensor):
+    """For 0.1 s the rate changes 57 times as fast as before, from one that is small."""
+    model = list(MODELS.values())[(seed - 318000) // 1000]
+    assert find_unit_change(clean_drive(seed, model).trial, sensor) is None

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, as_series
 from mobility_imu.offsets import GyroscopeOffset, check_offsets
-from mobility_imu.recording import HIGHEST_RATE_HZ, LOWEST_RATE_HZ
+from mobility_imu.recording import HIGHEST_RATE_HZ
 
 __all__ = ["alike", "as_motion", "as_offsets", "as_rate"]
 
@@ -100,7 +100,9 @@ def as_offsets(offsets: Mapping[str, GyroscopeOffset] | None) -> dict[str, Gyros
 
 
 def as_rate(sampling_rate_hz: float) -> float:
-    """Check that a rate is one that a sensor can have.
+    """Check that a rate is not beyond that of any sensor.
+
+    One that is too low is left to the checks of the clock: they know of milliseconds.
 
     Parameters
     ----------
@@ -113,11 +115,9 @@ def as_rate(sampling_rate_hz: float) -> float:
     Raises
     ------
     InputError
-        If it is no number, or none between those of any sensor.
+        If it is no number above 0, or too large.
     """
     rate = as_number(sampling_rate_hz, "sampling_rate_hz")
-    if not LOWEST_RATE_HZ <= rate <= HIGHEST_RATE_HZ:
-        raise InputError(
-            f"sampling_rate_hz = {rate:g}: expected {LOWEST_RATE_HZ:g} to {HIGHEST_RATE_HZ:g} Hz"
-        )
+    if rate > HIGHEST_RATE_HZ:
+        raise InputError(f"sampling_rate_hz = {rate:g}: expected {HIGHEST_RATE_HZ:g} Hz at most")
     return rate

@@ -267,6 +267,8 @@ def test_small_faults_leave_the_samples_valid():
 def test_a_clock_of_another_unit_and_one_sensor_for_two():
     slow = Recording(1000 * drive().trial.time_s, drive().trial.sensors, source="slow")
     assert "clock" in [fault.code for fault in look(slow)]
+    cal = calibration()  # a rate of 0.1 Hz is told, and no reason to end with another word
+    estimate_velocity(slow, drive().court.geometry, cal.mount, offsets=cal.offsets)
     twice = {**drive().trial.sensors, "left_wheel": drive().trial.sensor("right_wheel")}
     assert [f.code for f in look(Recording(drive().trial.time_s, twice))] == ["copy"]
 
