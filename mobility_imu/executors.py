@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
 from mobility_imu.errors import InputError
@@ -53,7 +53,7 @@ def run_all(
     Raises
     ------
     InputError
-        If the executor is none.
+        If the executor is none, the function cannot be called, or the arguments are no tuples.
 
     Examples
     --------
@@ -61,11 +61,26 @@ def run_all(
     [8, 9]
     """
     check_executor(executor)
+    if not callable(function):
+        raise InputError(f"function = {shown(function)}: expected a function")
+    calls = _calls(arguments)
     if executor is None:
-        return [function(*each) for each in arguments]
-    futures = [executor.submit(function, *each) for each in arguments]
+        return [function(*each) for each in calls]
+    futures = [executor.submit(function, *each) for each in calls]
     try:
         return [future.result() for future in futures]
     finally:
         for future in futures:
             future.cancel()  # those that are done stay done
+
+
+def _calls(arguments: Any) -> Iterator[tuple[Any, ...]]:
+    """Arguments of each call, one after the other: they may be long, and made on the way."""
+    try:
+        given = iter(arguments)
+    except TypeError:
+        raise InputError(f"arguments: got {shown(arguments)}, expected a list of tuples") from None
+    for each in given:
+        if not isinstance(each, tuple | list):
+            raise InputError(f"arguments: {shown(each)} among them, expected a tuple for each call")
+        yield tuple(each)

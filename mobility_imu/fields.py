@@ -57,12 +57,14 @@ def _wholes(label: str, value: Any, _: type, length: int) -> Any:
 
 
 def _objects(label: str, value: Any, kind: type, length: int | None = None) -> tuple[Any, ...]:
+    if kind is str and isinstance(value, np.ndarray) and value.ndim == 1:
+        value = value.tolist()
     if not isinstance(value, list | tuple) or length not in (None, len(value)):
         many = "" if length is None else f"{length} "
         raise InputError(f"{label}: got {shown(value)}, expected a tuple of {many}{kind.__name__}")
     for number, one in enumerate(value):
         expect(f"{label}[{number}]", one, kind)
-    return tuple(value)
+    return tuple(map(str, value)) if kind is str else tuple(value)
 
 
 def _number(label: str, value: Any) -> float:

@@ -83,7 +83,8 @@ def savitzky_golay(values: ArrayLike, window: int, order: int) -> FloatArray:
     Raises
     ------
     InputError
-        If the window is even or longer than the data, or the order does not fit into it.
+        If the window is even or longer than the data, the order does not fit into it, or a value
+        near an end, to which a polynomial is fitted, is not finite.
     """
     from scipy import signal
 
@@ -91,7 +92,12 @@ def savitzky_golay(values: ArrayLike, window: int, order: int) -> FloatArray:
     order = as_count(order, "Savitzky-Golay order", least=0)
     if order >= window:
         raise InputError(f"Savitzky-Golay order = {order}: expected from 0 to window - 1")
-    return np.asarray(signal.savgol_filter(data, window, order, axis=0))
+    try:
+        return np.asarray(signal.savgol_filter(data, window, order, axis=0))
+    except ValueError:  # of the fit of a polynomial at the ends
+        raise InputError(
+            f"Savitzky-Golay: values that are not finite within {window} samples of an end"
+        ) from None
 
 
 def rms(values: ArrayLike) -> float:

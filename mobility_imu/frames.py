@@ -24,6 +24,7 @@ from mobility_imu.errors import InputError
 
 FloatArray = NDArray[np.float64]
 Choice = TypeVar("Choice")
+_TRUTH = (bool, np.bool_)
 
 STANDARD_GRAVITY_MPS2 = 9.80665
 """What an ideal accelerometer at rest reads in total, m/s² (standard gravity)."""
@@ -143,6 +144,12 @@ def as_vectors(
     Traceback (most recent call last):
     mobility_imu.errors.InputError: acc_mps2: expected shape (n, 3), got (3,)
     """
+    if ndim is not None:
+        _check_control("ndim", ndim)
+    if length is not None:
+        _check_control("length", length)
+    if not isinstance(finite, _TRUTH):
+        check_switches(finite=finite)
     array = as_floats(values, name)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise InputError(f"{name}: expected three components in the last axis, got {array.shape}")
@@ -175,6 +182,8 @@ def as_series(values: ArrayLike, name: str, *, length: int | None = None) -> Flo
     InputError
         If it has another shape or length, or holds NaN or infinity.
     """
+    if length is not None:
+        _check_control("length", length)
     array = as_floats(values, name)
     if array.ndim != 1:
         raise InputError(f"{name}: expected one time series, got an array of shape {array.shape}")
@@ -206,6 +215,7 @@ def as_clock(time_s: ArrayLike, name: str = "time_s", *, even: bool = False) -> 
         If there are fewer than two times, or they repeat, run backwards or, with ``even``, leave a
         gap; the message says where. Also if the usual step is none that a clock in s can have.
     """
+    check_switches(even=even)
     clock = as_series(time_s, name)
     if len(clock) < 2:
         raise InputError(f"{name}: {len(clock)} sample(s), expected at least 2")
@@ -232,19 +242,22 @@ def as_clock(time_s: ArrayLike, name: str = "time_s", *, even: bool = False) -> 
     return clock
 
 
-def as_flags(flags: ArrayLike, name: str, *, length: int) -> NDArray[np.bool_]:
+def as_flags(flags: ArrayLike, name: str, *, length: int | tuple[int, ...]) -> NDArray[np.bool_]:
     """Check that an array has one flag per sample.
 
     Parameters
     ----------
     flags : (n,) array of truth values, or of 0 and 1
     name : what to call it in the error message
-    length : the number of samples
+    length : the number of samples, or the shape of the array that they stand in
 
     Returns
     -------
-    (n,) bool array, a copy
+    (n,) bool array, a copy; with a shape, an array of that shape
     """
+    if not isinstance(length, tuple):
+        _check_control("length", length)
+        length = (length,)
     expected = f"{name}: expected truth values, or 0 and 1"
     if isinstance(flags, np.ma.MaskedArray) and np.ma.is_masked(flags):
         raise InputError(f"{expected}; some are masked")
@@ -254,8 +267,8 @@ def as_flags(flags: ArrayLike, name: str, *, length: int) -> NDArray[np.bool_]:
         raise InputError(expected) from None
     if array.dtype.kind == "O" and set(map(type, array.ravel())) <= {bool, np.bool_}:
         array = array.astype(np.bool_)
-    if array.shape != (length,):
-        raise InputError(f"{name}: expected shape ({length},) like the others, got {array.shape}")
+    if array.shape != length:
+        raise InputError(f"{name}: expected shape {length} like the others, got {array.shape}")
     if array.dtype != np.bool_ and not (array.dtype.kind in "iuf" and np.isin(array, (0, 1)).all()):
         raise InputError(expected)
     return array.astype(np.bool_)
@@ -285,6 +298,7 @@ def as_rotation(matrix: ArrayLike, name: str, *, tolerance: float = 1e-3) -> Flo
     Traceback (most recent call last):
     mobility_imu.errors.InputError: mount: a mirror (determinant -1), expected a rotation matrix
     """
+    tolerance = as_number(tolerance, "tolerance", zero=True)
     array = as_floats(matrix, name)
     if array.shape != (3, 3) or not np.isfinite(array).all():
         raise InputError(f"{name}: expected a rotation matrix of 3 x 3 numbers")
@@ -319,6 +333,10 @@ def one_of(name: str, value: Choice, choices: Collection[Choice]) -> Choice:
     Traceback (most recent call last):
     mobility_imu.errors.InputError: form = 'prnted': expected 'corrected' or 'printed'
     """
+    if not isinstance(choices, Collection) or getattr(choices, "ndim", 1) == 0:
+        raise InputError(f"choices: got {type(choices).__name__}, expected a collection")
+    if isinstance(value, np.bool_):
+        value = bool(value)  # type: ignore[assignment]
     for choice in choices:
         # Of one kind first: arrays have no single truth value, and True does not mean 1.
         real, wanted = _is_real(type(value)), _is_real(type(choice))
@@ -351,6 +369,11 @@ def as_number(
     InputError
         If it is not such a number.
     """
+    # Each alone first: this is called more often than any other check.
+    if not (
+        isinstance(zero, _TRUTH) and isinstance(negative, _TRUTH) and isinstance(infinite, _TRUTH)
+    ):
+        check_switches(zero=zero, negative=negative, infinite=infinite)
     expected = "a number" if negative else "a number of 0 or more" if zero else "a positive number"
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
@@ -385,6 +408,8 @@ def as_count(value: Any, name: str, *, least: int = 1) -> int:
     """
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
+    if not isinstance(least, int):
+        raise InputError(f"least = {shown(least)}: expected a whole number")
     whole = _is_real(type(value)) and isinstance(value, numbers.Integral)
     if not whole or value < least:
         raise InputError(f"{name} = {shown(value)}: expected a whole number of {least} or more")
@@ -434,6 +459,48 @@ def shown(value: object) -> str:
         # Python writes no integer of more than some thousand digits, and no endless nesting.
         return "a value too long to show"
     return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}..."
+
+
+def check_switches(**switches: Any) -> None:
+    """Check that options are True or False: an array has no single truth value.
+
+    Parameters
+    ----------
+    **switches : name of an option to what was given
+
+    Raises
+    ------
+    InputError
+        If one is something else.
+    """
+    for name, value in switches.items():
+        if not isinstance(value, _TRUTH):
+            raise InputError(f"{name} = {shown(value)}: expected True or False")
+
+
+def check_together(**shapes: tuple[int, ...]) -> None:
+    """Check that arrays broadcast together.
+
+    Parameters
+    ----------
+    **shapes : name of each array to its shape, without the axis of components
+
+    Raises
+    ------
+    InputError
+        If they do not; the message has all names and shapes.
+    """
+    try:
+        np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        got = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise InputError(f"{got}: expected the same number of samples") from None
+
+
+def _check_control(name: str, value: Any) -> None:
+    """Check a number of dimensions or samples."""
+    if not isinstance(value, int | np.integer) or value < 0:
+        raise InputError(f"{name} = {shown(value)}: expected a whole number")
 
 
 def _is_real(kind: type) -> bool:

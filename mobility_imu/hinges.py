@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mobility_imu._compiled import compiled
-from mobility_imu.frames import FloatArray
+from mobility_imu.errors import InputError
+from mobility_imu.frames import FloatArray, as_floats, as_vectors, check_together
 
 __all__ = ["ColumnVector", "column_vector", "hinge_rates", "steered", "tip_reading", "turn"]
 
@@ -60,7 +61,9 @@ def column_vector(body: FloatArray, alpha_rad: float) -> ColumnVector:
     -------
     ColumnVector
     """
-    c1, k1 = turn(body[..., 1], body[..., 2], np.sin(alpha_rad), np.cos(alpha_rad))
+    body, alpha = as_vectors(body, "body"), as_floats(alpha_rad, "alpha_rad")
+    check_together(body=body.shape[:-1], alpha_rad=alpha.shape)
+    c1, k1 = turn(body[..., 1], body[..., 2], np.sin(alpha), np.cos(alpha))
     return ColumnVector(body[..., 0], c1, k1)
 
 
@@ -76,6 +79,10 @@ def steered(column: ColumnVector, steering_rad: FloatArray) -> tuple[FloatArray,
     -------
     x, k2 : (...) arrays
     """
+    if not isinstance(column, ColumnVector):
+        raise InputError(f"column: got {type(column).__name__}, expected ColumnVector")
+    steering_rad = as_floats(steering_rad, "steering_rad")
+    check_together(column=np.shape(column.x), steering_rad=steering_rad.shape)
     x, k2 = turn(column.x, column.c1, np.sin(steering_rad), np.cos(steering_rad))
     return x, k2
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import shown
+from mobility_imu.frames import check_switches, shown
 
 __all__ = ["as_names"]
 
@@ -35,6 +35,7 @@ def as_names(names: Any, name: str, *, ordered: bool = False) -> tuple[str, ...]
     Traceback (most recent call last):
     mobility_imu.errors.InputError: expected: got 'frame', expected a list of names
     """
+    check_switches(ordered=ordered)
     wrong = (str, bytes, set, frozenset) if ordered else (str, bytes)
     try:
         if isinstance(names, wrong) or not isinstance(names, Iterable):

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from os import PathLike
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_clock, as_number, as_vectors, shown
+from mobility_imu.frames import (
+    FloatArray,
+    as_clock,
+    as_number,
+    as_vectors,
+    check_switches,
+    shown,
+)
 from mobility_imu.results import Result
 
 if TYPE_CHECKING:
@@ -90,6 +98,8 @@ class Recording(Result):
 
     def __post_init__(self) -> None:
         """Check everything that later steps rely on."""
+        if not isinstance(self.source, str | PathLike):
+            raise InputError(f"source: got {type(self.source).__name__}, expected text")
         time_s = as_clock(self.time_s, f"{self.source}: time_s", even=True)
         if not isinstance(self.sensors, Mapping) or not self.sensors:
             raise InputError(f"{self.source}: no sensor; expected a mapping of name to Imu")
@@ -146,7 +156,8 @@ class Recording(Result):
         -------
         Imu
         """
-        if name not in tuple(self.sensors):
+        check_switches(gyroscope=gyroscope)
+        if not isinstance(name, str) or name not in self.sensors:
             have = ", ".join(self.sensors)
             raise InputError(f"{self.source}: no sensor {shown(name)} (it has: {have})")
         imu = self.sensors[name]

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from mobility_imu.errors import InputError
+
 LONGEST_VALUE = 80
 """Characters of a field's value that a repr shows at most."""
 
@@ -21,7 +23,14 @@ def read_only(array: np.ndarray) -> np.ndarray:
     Returns
     -------
     array of the same type and shape
+
+    Raises
+    ------
+    InputError
+        If it is no array.
     """
+    if not isinstance(array, np.ndarray):
+        raise InputError(f"array: got {type(array).__name__}, expected an array")
     held: Any = array
     while isinstance(held, np.ndarray) and not held.flags.writeable:
         held = held.base

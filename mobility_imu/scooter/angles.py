@@ -20,12 +20,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
     FloatArray,
+    as_flags,
     as_floats,
     as_number,
     as_vectors,
+    check_together,
     one_of,
     wrap_angle,
 )
@@ -102,6 +105,11 @@ class ScooterAngles(Result):
     valid : (...) bool array, see :func:`estimate_angles`
     form : "corrected" or "printed", what they were estimated with
     warnings : sentences for the user
+
+    Raises
+    ------
+    InputError
+        If the arrays differ in shape, or a field is something else.
     """
 
     steering_rad: FloatArray
@@ -110,10 +118,31 @@ class ScooterAngles(Result):
     form: Form = "corrected"
     warnings: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        """Check that the arrays are alike; a single sample stays the number that it is."""
+        one_of("ScooterAngles.form", self.form, ("corrected", "printed"))
+        check_fields(self)
+        names = ("steering_rad", "throttle_rad")
+        both = [as_floats(getattr(self, name), f"ScooterAngles.{name}") for name in names]
+        shape = both[0].shape
+        if both[1].shape != shape:
+            raise InputError(
+                f"ScooterAngles.throttle_rad: expected shape {shape} like steering_rad, got "
+                f"{both[1].shape}"
+            )
+        valid = as_flags(self.valid, "ScooterAngles.valid", length=shape)
+        if shape:
+            for name, array in zip((*names, "valid"), (*both, valid), strict=True):
+                object.__setattr__(self, name, array)
+        super().__post_init__()
+
     def to_frame(self) -> pd.DataFrame:
         """Table in degrees with steering_deg, throttle_deg and valid, one row per sample."""
         import pandas as pd
 
+        shape = np.shape(self.steering_rad)
+        if len(shape) > 1:
+            raise InputError(f"angles of shape {shape}: a table is of one series")
         return pd.DataFrame(
             {
                 "steering_deg": np.atleast_1d(np.rad2deg(self.steering_rad)),
@@ -182,8 +211,10 @@ def throttle_angle(
         If the arrays are not three-vectors or do not broadcast together.
     """
     lever, body = _vectors(lever_acc_mps2, body_acc_mps2, geometry)
+    steering = as_floats(steering_rad, "steering_rad")
+    check_together(lever=lever.shape[:-1], body=body.shape[:-1], steering_rad=steering.shape)
     column = column_vector(body, geometry.steering_inclination_rad)
-    k1, (_, k2) = column.k1, steered(column, np.asarray(steering_rad, float))
+    k1, (_, k2) = column.k1, steered(column, steering)
     with np.errstate(divide="ignore", invalid="ignore"):
         sine = lever[..., 1] / np.sqrt(k1**2 + k2**2)
         return np.arctan(k2 / k1) - np.arcsin(sine) - geometry.lean_rad
@@ -389,7 +420,8 @@ def angle_standard_deviations(
     Raises
     ------
     InputError
-        If the vectors have not three components, or a standard deviation is negative or no number.
+        If the vectors have not three components, the arrays do not broadcast together, or a
+        standard deviation is negative or no number.
 
     Examples
     --------
@@ -405,6 +437,9 @@ def angle_standard_deviations(
     steering, throttle = (
         as_floats(steering_rad, "steering_rad"),
         as_floats(throttle_rad, "throttle_rad"),
+    )
+    check_together(
+        lever_acc_mps2=lever.shape[:-1], steering_rad=steering.shape, throttle_rad=throttle.shape
     )
     lever_sd = as_number(lever_sd_mps2, "lever_sd_mps2", zero=True)
     body_sd = as_number(body_sd_mps2, "body_sd_mps2", zero=True)

@@ -19,7 +19,14 @@ from numpy.typing import ArrayLike
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
 from mobility_imu.files import write_text
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_number, as_vectors
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_floats,
+    as_number,
+    as_vectors,
+    check_together,
+)
 from mobility_imu.readers.geometry import read_section
 from mobility_imu.rotations import elementary_rotation
 
@@ -202,7 +209,8 @@ def rotation_steering_column_to_body(steering_inclination_rad: ArrayLike) -> Flo
     -------
     (..., 3, 3) array
     """
-    return elementary_rotation("x", steering_inclination_rad)
+    alpha = as_floats(steering_inclination_rad, "steering_inclination_rad")
+    return elementary_rotation("x", alpha)
 
 
 def rotation_steering_to_column(steering_rad: ArrayLike) -> FloatArray:
@@ -216,7 +224,7 @@ def rotation_steering_to_column(steering_rad: ArrayLike) -> FloatArray:
     -------
     (..., 3, 3) array
     """
-    return elementary_rotation("z", steering_rad)
+    return elementary_rotation("z", as_floats(steering_rad, "steering_rad"))
 
 
 def rotation_lever_base_to_steering(
@@ -232,8 +240,10 @@ def rotation_lever_base_to_steering(
     -------
     (..., 3, 3) array
     """
-    alpha = np.asarray(steering_inclination_rad, float)
-    return elementary_rotation("x", -(alpha - np.asarray(lever_inclination_rad, float)))
+    alpha = as_floats(steering_inclination_rad, "steering_inclination_rad")
+    beta = as_floats(lever_inclination_rad, "lever_inclination_rad")
+    check_together(steering_inclination_rad=alpha.shape, lever_inclination_rad=beta.shape)
+    return elementary_rotation("x", -(alpha - beta))
 
 
 def rotation_lever_to_lever_base(throttle_rad: ArrayLike) -> FloatArray:
@@ -247,7 +257,7 @@ def rotation_lever_to_lever_base(throttle_rad: ArrayLike) -> FloatArray:
     -------
     (..., 3, 3) array
     """
-    return elementary_rotation("x", -np.asarray(throttle_rad, float))
+    return elementary_rotation("x", -as_floats(throttle_rad, "throttle_rad"))
 
 
 def rotation_lever_to_body(
@@ -265,6 +275,9 @@ def rotation_lever_to_body(
     (..., 3, 3) array
     """
     expect("geometry", geometry, ScooterGeometry)
+    steering_rad = as_floats(steering_rad, "steering_rad")
+    throttle_rad = as_floats(throttle_rad, "throttle_rad")
+    check_together(steering_rad=steering_rad.shape, throttle_rad=throttle_rad.shape)
     alpha, beta = geometry.steering_inclination_rad, geometry.lever_inclination_rad
     return (
         rotation_steering_column_to_body(alpha)
@@ -299,7 +312,7 @@ def lever_acceleration(
     Raises
     ------
     InputError
-        If the body's vectors do not have three components.
+        If the body's vectors do not have three components, or the arrays do not broadcast together.
 
     Examples
     --------
@@ -309,6 +322,7 @@ def lever_acceleration(
     """
     body = as_vectors(body_acc_mps2, "body_acc_mps2")
     rotation = rotation_lever_to_body(steering_rad, throttle_rad, geometry)
+    check_together(body_acc_mps2=body.shape[:-1], steering_and_throttle=rotation.shape[:-2])
     return np.asarray(np.einsum("...ji,...j->...i", rotation, body))
 
 
@@ -334,7 +348,10 @@ def body_specific_force(
     >>> body_specific_force(np.deg2rad(5), 0.0).round(3).tolist()
     [0.0, 0.855, 9.769]
     """
-    pitch, roll = np.broadcast_arrays(np.asarray(pitch_rad, float), np.asarray(roll_rad, float))
+    pitch, roll = as_floats(pitch_rad, "pitch_rad"), as_floats(roll_rad, "roll_rad")
+    check_together(pitch_rad=pitch.shape, roll_rad=roll.shape)
+    pitch, roll = np.broadcast_arrays(pitch, roll)
+    gravity_mps2 = as_number(gravity_mps2, "gravity_mps2", negative=True)
     return gravity_mps2 * np.stack(
         [np.cos(pitch) * np.sin(roll), np.sin(pitch), np.cos(pitch) * np.cos(roll)], axis=-1
     )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_clock, as_number, as_series
+from mobility_imu.frames import FloatArray, as_clock, as_floats, as_number, as_series
 
 __all__ = ["ClockOffset", "moving_samples", "reference_angles", "synchronise"]
 
@@ -218,7 +218,7 @@ def reference_angles(
     time = as_series(time_s, "time_s")
     offset = as_number(offset_s, "offset_s", negative=True)
     theirs = as_clock(reference_time_s, "reference_time_s") - offset
-    values = np.asarray(reference_rad, float)
+    values = as_floats(reference_rad, "reference_rad")
     if values.ndim != 2 or len(values) != len(theirs):
         raise InputError(f"reference_rad has shape {values.shape}: expected ({len(theirs)}, k)")
     return np.column_stack([np.interp(time, theirs, column) for column in values.T])

@@ -13,6 +13,7 @@ from scipy import ndimage
 
 from mobility_imu.arguments import check_columns, expect, for_each, settings_or_default
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.filters import median_filter
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
@@ -186,9 +187,8 @@ class RideAngles(Result):
         expect("settings", self.settings, RideSettings)
         numbers = ("steering_rad", "throttle_rad", "steering_sd_rad", "throttle_sd_rad")
         check_columns(self, "time_s", *numbers, flags=("valid",))
-        expect("remarks", self.remarks, tuple)
+        check_fields(self, remarks=[Remark])
         for remark in self.remarks:
-            expect("remarks", remark, Remark)
             one_of("code of a remark", remark.code, REMARKS)
             expect("sensor of a remark", remark.sensor, str)
             expect("sentence of a remark", remark.sentence, str)

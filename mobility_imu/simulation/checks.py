@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import as_number
+from mobility_imu.frames import as_number, shown
 
 
-def check_range(value: Any, name: str, *, most: float = np.inf) -> None:
+def check_range(value: Any, name: str, *, most: float = np.inf, any_order: bool = False) -> None:
     """Check that a value is a range of positive numbers, (low, high).
 
     Parameters
@@ -20,6 +20,7 @@ def check_range(value: Any, name: str, *, most: float = np.inf) -> None:
     value : what was given
     name : what to call it in the error message
     most : largest high end
+    any_order : whether it is a pair of which either may be the larger
 
     Raises
     ------
@@ -30,9 +31,11 @@ def check_range(value: Any, name: str, *, most: float = np.inf) -> None:
     fits = isinstance(value, tuple | list) and len(value) == 2
     if fits:
         low, high = (as_number(end, name) for end in value)
-        fits = low <= high <= most
+        fits = max(low, high) <= most and (any_order or low <= high)
     if not fits:
-        raise InputError(f"{name} = {value!r}: expected (low, high) with 0 < low <= high{limit}")
+        raise InputError(
+            f"{name} = {shown(value)}: expected (low, high) with 0 < low <= high{limit}"
+        )
 
 
 def check_ranges(style: Any) -> None:
@@ -63,7 +66,8 @@ def check_triple(value: Any, name: str) -> None:
     InputError
         If it is none.
     """
-    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str) or len(value) != 3:
-        raise InputError(f"{name} = {value!r:.60}: expected three numbers")
+    fits = isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
+    if not fits or getattr(value, "ndim", 1) == 0 or len(value) != 3:
+        raise InputError(f"{name} = {shown(value)}: expected three numbers")
     for axis, number in zip("xyz", value, strict=True):
         as_number(number, f"{name}, {axis}", negative=True)

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number
+from mobility_imu.frames import FloatArray, as_floats, as_number, as_series, as_vectors
 from mobility_imu.simulation.checks import check_range
 
 __all__ = ["AT_ONCE", "Delivery", "VibrationBand", "vibration"]
@@ -57,6 +58,10 @@ class Delivery:
         -------
         (n,) array, s, within the first and the last time
         """
+        expect("rng", rng, np.random.Generator)
+        time_s = as_series(time_s, "time_s")
+        if not len(time_s):
+            raise InputError("time_s: 0 samples, expected at least 1")
         late = self.late_s * rng.random()
         taken = time_s - late + self.jitter_s * rng.standard_normal(len(time_s))
         return np.asarray(np.clip(taken, time_s[0], time_s[-1]))
@@ -73,7 +78,13 @@ class Delivery:
         -------
         list of (n, 3) arrays; the first and the last sample stay
         """
-        count = len(readings[0])
+        expect("rng", rng, np.random.Generator)
+        if not isinstance(readings, list | tuple) or not readings:
+            raise InputError(f"readings: got {type(readings).__name__}, expected a list of arrays")
+        count = len(as_vectors(readings[0], "readings", ndim=2))
+        readings = [as_vectors(values, "readings", length=count) for values in readings]
+        if not count:
+            raise InputError("readings: 0 samples, expected at least 1")
         doubled = rng.random(count) < self.doubled_share
         lost = rng.random(count) < self.filled_share
         doubled[0] = False
@@ -123,8 +134,15 @@ def vibration(
     -------
     (n, 3) array, m/s²
     """
+    expect("rng", rng, np.random.Generator)
+    expect("bands", bands, tuple)
+    speed_share = as_floats(speed_share, "speed_share")
+    if speed_share.ndim != 1 or not len(speed_share):
+        raise InputError(f"speed_share: expected one series, got shape {speed_share.shape}")
+    sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
     shaken = np.zeros((len(speed_share), 3))
     for band in bands:
+        expect("bands", band, VibrationBand)
         noise = rng.standard_normal(shaken.shape)
         low, high = band.band_hz
         high = min(high, 0.45 * sampling_rate_hz)

@@ -10,7 +10,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.frames import FloatArray, as_floats, as_number, as_rotation, one_of
+from mobility_imu.arguments import expect
+from mobility_imu.errors import InputError
+from mobility_imu.frames import (
+    FloatArray,
+    as_floats,
+    as_number,
+    as_rotation,
+    as_vectors,
+    one_of,
+    shown,
+)
 from mobility_imu.recording import Imu, Recording
 
 __all__ = [
@@ -49,7 +59,11 @@ def freeze(
     Recording
     """
     values = _half(recording, sensor, half)
+    start_s = as_number(start_s, "start_s", negative=True)
+    length_s = as_number(length_s, "length_s", zero=True)
     first = int(np.searchsorted(recording.time_s, recording.time_s[0] + start_s))
+    if first == len(recording):
+        raise InputError(f"start_s = {start_s:g}: the recording is over by then")
     last = int(np.searchsorted(recording.time_s, recording.time_s[0] + start_s + length_s))
     values[first:last] = values[first]
     return _with(recording, sensor, half, values)
@@ -69,6 +83,7 @@ def silence(recording: Recording, sensor: str, start_s: float = 0.0) -> Recordin
     Recording
     """
     values = _half(recording, sensor, "gyr")
+    start_s = as_number(start_s, "start_s", negative=True)
     values[recording.time_s - recording.time_s[0] >= start_s] = 0.0
     return _with(recording, sensor, "gyr", values)
 
@@ -111,7 +126,12 @@ def spike(
     Recording
     """
     values = _half(recording, sensor, half)
-    values[np.asarray(samples, int), axis] += size
+    axis = one_of("axis", axis, (0, 1, 2))
+    places = as_floats(samples, "samples")
+    whole = np.isin(places, np.arange(len(values)))
+    if places.ndim > 1 or not whole.all():
+        raise InputError(f"samples = {shown(samples)}: expected indices below {len(values)}")
+    values[places.astype(int), axis] += as_number(size, "size", negative=True)
     return _with(recording, sensor, half, values)
 
 
@@ -129,7 +149,7 @@ def offset(recording: Recording, sensor: str, half: str, vector: ArrayLike) -> R
     -------
     Recording
     """
-    values = _half(recording, sensor, half) + as_floats(vector, "vector")
+    values = _half(recording, sensor, half) + as_vectors(vector, "vector", ndim=1, finite=True)
     return _with(recording, sensor, half, values)
 
 
@@ -147,8 +167,7 @@ def scale(recording: Recording, sensor: str, half: str, factors: ArrayLike) -> R
     -------
     Recording
     """
-    values = _half(recording, sensor, half) * as_floats(factors, "factors")
-    return _with(recording, sensor, half, values)
+    return _with(recording, sensor, half, _half(recording, sensor, half) * _factors(factors))
 
 
 def reverse(recording: Recording, sensor: str, signs: ArrayLike = (-1, -1, -1)) -> Recording:
@@ -164,7 +183,10 @@ def reverse(recording: Recording, sensor: str, signs: ArrayLike = (-1, -1, -1)) 
     -------
     Recording
     """
-    return scale(recording, sensor, "gyr", signs)
+    factors = as_vectors(signs, "signs", ndim=1)
+    if (np.abs(factors) != 1).any():
+        raise InputError(f"signs = {shown(signs)}: expected 1 or -1 for each axis")
+    return scale(recording, sensor, "gyr", factors)
 
 
 def late(recording: Recording, sensor: str, lag_s: float) -> Recording:
@@ -180,9 +202,9 @@ def late(recording: Recording, sensor: str, lag_s: float) -> Recording:
     -------
     Recording
     """
-    imu, time_s = recording.sensor(sensor), recording.time_s
+    imu, time_s = _sensor(recording, sensor), recording.time_s
     # Whole samples: interpolation would make the noise of a late sensor smaller.
-    steps = round(as_number(lag_s, "lag_s", zero=True) * recording.sampling_rate_hz)
+    steps = _steps(recording, as_number(lag_s, "lag_s", zero=True))
     index = np.maximum(np.arange(len(time_s)) - steps, 0)
     new = Imu(imu.acc_mps2[index], None if imu.gyr_radps is None else imu.gyr_radps[index])
     return _replaced(recording, {sensor: new})
@@ -203,7 +225,7 @@ def late_half(recording: Recording, sensor: str, half: str, lag_s: float) -> Rec
     Recording of the time that both halves have readings for
     """
     late, other = _half(recording, sensor, half), "acc" if half == "gyr" else "gyr"
-    steps = round(as_number(lag_s, "lag_s", negative=True) * recording.sampling_rate_hz)
+    steps = _steps(recording, as_number(lag_s, "lag_s", negative=True))
     count = len(recording) - abs(steps)
     begin = max(steps, 0)
     values = {half: late[begin - steps :][:count], other: _half(recording, sensor, other)[begin:]}
@@ -224,7 +246,8 @@ def exchange(recording: Recording, first: str, second: str) -> Recording:
     -------
     Recording
     """
-    return _replaced(recording, {first: recording.sensor(second), second: recording.sensor(first)})
+    one, other = _sensor(recording, first), recording.sensor(second)
+    return _replaced(recording, {first: other, second: one})
 
 
 def left_handed(recording: Recording, sensor: str, axis: int) -> Recording:
@@ -240,7 +263,8 @@ def left_handed(recording: Recording, sensor: str, axis: int) -> Recording:
     -------
     Recording
     """
-    imu, signs = recording.sensor(sensor), np.where(np.arange(3) == axis, -1.0, 1.0)
+    axis = one_of("axis", axis, (0, 1, 2))
+    imu, signs = _sensor(recording, sensor), np.where(np.arange(3) == axis, -1.0, 1.0)
     gyr = None if imu.gyr_radps is None else imu.gyr_radps * signs
     return _replaced(recording, {sensor: Imu(imu.acc_mps2 * signs, gyr)})
 
@@ -259,7 +283,7 @@ def turn(recording: Recording, sensor: str, rotation: ArrayLike) -> Recording:
     Recording
     """
     rotation = as_rotation(rotation, "rotation")
-    imu = recording.sensor(sensor)
+    imu = _sensor(recording, sensor)
     gyr = None if imu.gyr_radps is None else imu.gyr_radps @ rotation.T
     return _replaced(recording, {sensor: Imu(imu.acc_mps2 @ rotation.T, gyr)})
 
@@ -287,8 +311,13 @@ def tip(
     -------
     Recording
     """
-    unit = as_floats(axis, "axis") / np.linalg.norm(as_floats(axis, "axis"))
-    imu, time_s = recording.sensor(sensor), recording.time_s - recording.time_s[0]
+    along = as_vectors(axis, "axis", ndim=1, finite=True)
+    if not along.any():
+        raise InputError("axis: of length 0, expected a direction")
+    angle_rad = as_number(angle_rad, "angle_rad", negative=True)
+    start_s = as_number(start_s, "start_s", negative=True)
+    unit = along / np.linalg.norm(along)
+    imu, time_s = _sensor(recording, sensor), recording.time_s - recording.time_s[0]
     part = np.clip((time_s - start_s) / as_number(length_s, "length_s"), 0.0, 1.0)
     back = Rotation.from_rotvec(-part[:, None] * angle_rad * unit)
     rate = np.where((part > 0) & (part < 1), angle_rad / length_s, 0.0)
@@ -314,14 +343,36 @@ def jump(recording: Recording, start_s: float, length_s: float) -> Recording:
     InputError
         If the leap leaves a gap, or times that run backwards: then nothing reads it.
     """
+    expect("recording", recording, Recording)
+    start_s = as_number(start_s, "start_s", negative=True)
     time_s = recording.time_s.copy()
     time_s[time_s - time_s[0] >= start_s] += as_number(length_s, "length_s", negative=True)
     return Recording(time_s, recording.sensors, source=recording.source)
 
 
+def _sensor(recording: Recording, sensor: str) -> Imu:
+    expect("recording", recording, Recording)
+    return recording.sensor(sensor)
+
+
+def _steps(recording: Recording, lag_s: float) -> int:
+    """A lag in whole samples, less than the recording has."""
+    if abs(lag_s) >= recording.time_s[-1] - recording.time_s[0]:
+        raise InputError(f"lag_s = {lag_s:g}: expected less than the recording's length")
+    return round(lag_s * recording.sampling_rate_hz)
+
+
+def _factors(factors: ArrayLike) -> FloatArray:
+    found = as_floats(factors, "factors")
+    if found.shape not in ((), (3,)) or not np.isfinite(found).all():
+        raise InputError(f"factors = {shown(factors)}: expected one finite number, or three")
+    return found
+
+
 def _half(recording: Recording, sensor: str, half: str) -> FloatArray:
     one_of("half", half, ("acc", "gyr"))
-    values = recording.sensor(sensor).acc_mps2 if half == "acc" else recording.gyroscope(sensor)
+    acc = _sensor(recording, sensor).acc_mps2
+    values = acc if half == "acc" else recording.gyroscope(sensor)
     return values.copy()
 
 

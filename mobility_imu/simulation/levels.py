@@ -58,6 +58,11 @@ class Level:
     sensor: SensorModel
     imperfections: Imperfections = PERFECT
 
+    def __post_init__(self) -> None:
+        """Check both parts."""
+        expect("Level.sensor", self.sensor, SensorModel)
+        expect("Level.imperfections", self.imperfections, Imperfections)
+
 
 _REAL_FRAME = replace(REAL, gyr=replace(REAL.gyr, turn_on_bias_sd=float(np.deg2rad(0.57))))
 REAL_LEVEL = Level(_REAL_FRAME, REALISTIC)
@@ -160,7 +165,9 @@ def tilt_run(
     (4, True)
     """
     expect("level", level, Level)
+    expect("motion", motion, WalkerMotion, none=True)
     unit = unit_of(seed, pose)
-    motion = motion or simulate_tilts(FOOTPRINT, seed=seed, imperfections=level.imperfections)
+    if motion is None:
+        motion = simulate_tilts(FOOTPRINT, seed=seed, imperfections=level.imperfections)
     run = attach_imu(motion, MOUNTS[pose], level.sensor, seed=unit, unit_seed=unit)
     return run, measured_geometry(FOOTPRINT, level.imperfections, seed)

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import signal
 
-from mobility_imu.arguments import expect
+from mobility_imu.arguments import check_columns, expect
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
     FloatArray,
@@ -26,6 +27,7 @@ from mobility_imu.frames import (
     as_series,
     as_vectors,
     check_positive,
+    shown,
 )
 from mobility_imu.recording import Imu
 from mobility_imu.results import Result
@@ -117,11 +119,8 @@ class SensorModel:
         """Check both triads, the coupling and the clock."""
         for name in ("acc", "gyr"):
             if not isinstance(getattr(self, name), Triad):
-                raise InputError(f"{name} = {getattr(self, name)!r:.60}: expected a Triad")
-        expect("delivery", self.delivery, Delivery)
-        object.__setattr__(self, "vibration", tuple(self.vibration))
-        for band in self.vibration:
-            expect("vibration", band, VibrationBand)
+                raise InputError(f"{name} = {shown(getattr(self, name))}: expected a Triad")
+        check_fields(self, delivery=Delivery, vibration=[VibrationBand])
         sizes = ("g_sensitivity_sd", "clock_rate_sd", "clock_jitter_s", "dropped_share")
         check_positive(self, *sizes, allow_zero=sizes)
         if self.dropped_share >= 1:
@@ -165,6 +164,8 @@ class SensorNoise:
         -------
         Imu
         """
+        expect("imu", imu, Imu)
+        expect("rng", rng, np.random.Generator)
         if imu.gyr_radps is None:
             raise InputError("imu: it has no gyroscope, expected rates to add noise to")
         shape = imu.acc_mps2.shape
@@ -293,6 +294,16 @@ class SensorOutput(Result):
     true_time_s: FloatArray
     imu: Imu
 
+    def __post_init__(self) -> None:
+        """Check that times and readings belong together."""
+        check_columns(self, "time_s", "true_time_s")
+        expect("SensorOutput.imu", self.imu, Imu)
+        if len(self.imu) != len(self.time_s):
+            raise InputError(
+                f"SensorOutput.imu: {len(self.imu)} samples, expected {len(self.time_s)}"
+            )
+        super().__post_init__()
+
 
 def measure(
     time_s: ArrayLike,
@@ -329,6 +340,7 @@ def measure(
         If the shapes differ, a value is not finite, the times are not even, the output is to be
         faster than the input, or a seed is negative or not whole.
     """
+    expect("model", model, SensorModel)
     clock = as_clock(time_s)
     acc = as_vectors(acc_mps2, "acc_mps2", length=len(clock), finite=True)
     gyr = as_vectors(gyr_radps, "gyr_radps", length=len(clock), finite=True)
@@ -393,14 +405,16 @@ def without(model: SensorModel, *names: str) -> SensorModel:
     >>> without(MTI_1, "noise_density", "g_sensitivity_sd").acc.noise_density
     0.0
     """
+    expect("model", model, SensorModel)
     clean = Triad()
     for name in names:
-        if hasattr(clean, name):
+        expect("name", name, str)
+        if name in Triad.__dataclass_fields__:
             off = {name: getattr(clean, name)}
             if name == "full_scale":
                 off["bits"] = 0
             model = replace(model, acc=replace(model.acc, **off), gyr=replace(model.gyr, **off))
-        elif hasattr(IDEAL, name) and name not in ("acc", "gyr"):
+        elif name in SensorModel.__dataclass_fields__ and name not in ("acc", "gyr"):
             model = replace(model, **{name: getattr(IDEAL, name)})
         else:
             raise InputError(f"{name!r} is not an error of the sensor model")

@@ -96,7 +96,10 @@ def test_what_is_off_changes_no_byte():
         (lambda: VibrationBand((9.0, 5.0), 1.0), "VibrationBand.band_hz"),
         (lambda: VibrationBand((5.0, 9.0), -1.0), "VibrationBand.sd_mps2 = -1"),
         (lambda: SensorModel(delivery=0.03), "delivery: got float, expected Delivery"),
-        (lambda: SensorModel(vibration=(1.0,)), "vibration: got float, expected VibrationBand"),
+        (
+            lambda: SensorModel(vibration=(1.0,)),
+            r"vibration\[0\]: got float, expected VibrationBand",
+        ),
         (lambda: Triad(step=-1), "step = -1"),
         (lambda: readings(REAL, speed_share=[1.0]), "speed_share: expected 20000 samples"),
     ],

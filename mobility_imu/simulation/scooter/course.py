@@ -5,21 +5,26 @@ Every size is an assumption of ours unless it says where it is from.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from scipy import interpolate, ndimage
 
+from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_count, as_number, check_positive
+from mobility_imu.frames import FloatArray, as_count, as_number, check_positive, one_of, shown
 from mobility_imu.simulation.checks import check_range
 from mobility_imu.simulation.profiles import least_jerk
 
 
 def _deg(value: float) -> float:
     return float(np.deg2rad(value))
+
+
+MOST_POINTS = 1_000_000
+"""Points of a part of a course that is drawn."""
 
 
 class Segment(NamedTuple):
@@ -63,17 +68,20 @@ class Course:
 
     def __post_init__(self) -> None:
         """Check every part."""
-        if not isinstance(self.segments, Iterable):
+        expect("Course.name", self.name, str)
+        try:
+            object.__setattr__(self, "segments", tuple(self.segments))
+        except TypeError:
             got = type(self.segments).__name__
-            raise InputError(f"segments: got {got}, expected a sequence of Segment")
-        object.__setattr__(self, "segments", tuple(self.segments))
+            raise InputError(f"segments: got {got}, expected a sequence of Segment") from None
         check_positive(self, "transition_m", allow_zero=("transition_m",))
         if not self.segments:
             raise InputError("segments: none, expected at least one Segment")
         for k, segment in enumerate(self.segments):
             where = f"segments[{k}]"
             if not isinstance(segment, Segment):
-                raise InputError(f"{where} = {segment!r:.60}: expected a Segment")
+                raise InputError(f"{where} = {shown(segment)}: expected a Segment")
+            one_of(f"{where}.tactile", segment.tactile, (True, False))
             as_number(segment.length_m, f"{where}.length_m")
             as_number(segment.curvature_pm, f"{where}.curvature_pm", negative=True)
             for what in ("grade_rad", "bank_rad"):
@@ -99,6 +107,8 @@ class Course:
         part begins where the one before ends
         """
         points = as_count(points, "points", least=2)
+        if points > MOST_POINTS:
+            raise InputError(f"points = {shown(points)}: expected up to {MOST_POINTS}")
         start, heading, lines = np.zeros(3), 0.0, []
         for segment in self.segments:
             along = np.linspace(0, segment.length_m, points)

@@ -9,8 +9,9 @@ import numpy as np
 from scipy import interpolate, signal
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.arguments import expect, settings_or_default
+from mobility_imu.arguments import check_columns, expect, settings_or_default
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_number
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
@@ -63,6 +64,16 @@ class SimulatedRide(Result):
     pulses_s: FloatArray
     reference_pulses_s: FloatArray
     speed_mps: FloatArray
+
+    def __post_init__(self) -> None:
+        """Check that what belongs together has one length."""
+        expect("SimulatedRide.recording", self.recording, Recording)
+        check_columns(self, "reference_time_s")
+        check_columns(self, "pulses_s", "reference_pulses_s")
+        count = (len(self.recording),)
+        wires = (len(self.reference_time_s), 2)
+        check_fields(self, steering_rad=count, throttle_rad=count, speed_mps=count, reference=wires)
+        super().__post_init__()
 
     def truth(self) -> pd.DataFrame:
         """True angles in degrees and speed as a table."""

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.arguments import expect
+from mobility_imu.arguments import check_columns, expect
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_rotation
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
@@ -49,6 +50,22 @@ class SimulatedWalker(Result):
     velocity_imu_mps: FloatArray
     rotation_imu_to_world: FloatArray
     stationary: NDArray[np.bool_]
+
+    def __post_init__(self) -> None:
+        """Check that what belongs together has one length."""
+        check_columns(self, "time_s", flags=("stationary",))
+        count = len(self.time_s)
+        places = ("position_body_m", "position_imu_m", "velocity_imu_mps")
+        turns = ("rotation_body_to_world", "rotation_imu_to_world")
+        check_fields(
+            self,
+            recording=Recording,
+            motion=WalkerMotion,
+            mount=WalkerMount,
+            **dict.fromkeys(places, (count, 3)),
+            **dict.fromkeys(turns, (count, 3, 3)),
+        )
+        super().__post_init__()
 
     @property
     def tilts(self) -> tuple[TiltTruth, ...]:

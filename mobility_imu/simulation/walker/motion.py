@@ -18,12 +18,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from mobility_imu.arguments import check_columns
 from mobility_imu.errors import InputError
-from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, check_positive
+from mobility_imu.fields import check_fields
+from mobility_imu.frames import (
+    STANDARD_GRAVITY_MPS2,
+    FloatArray,
+    as_number,
+    check_positive,
+    one_of,
+)
 from mobility_imu.results import Result
 from mobility_imu.simulation.checks import check_range
 from mobility_imu.simulation.kinematics import angular_rates, second_derivative
-from mobility_imu.walker.geometry import TiltDirection
+from mobility_imu.walker.geometry import TILT_DIRECTIONS, TiltDirection
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -130,6 +138,11 @@ class TiltTruth:
     held_until_s: float
     stop_s: float
 
+    def __post_init__(self) -> None:
+        """Check the direction and the numbers."""
+        one_of("TiltTruth.direction", self.direction, TILT_DIRECTIONS)
+        _check_numbers(self, "angle_rad", "start_s", "held_from_s", "held_until_s", "stop_s")
+
 
 @dataclass(frozen=True)
 class StepTruth:
@@ -146,6 +159,10 @@ class StepTruth:
     place_s: float
     length_m: float
     turn_rad: float
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        _check_numbers(self, "lift_s", "place_s", "length_m", "turn_rad")
 
 
 class Knots(NamedTuple):
@@ -182,6 +199,19 @@ class WalkerMotion(Result):
     stationary: NDArray[np.bool_]
     tilts: tuple[TiltTruth, ...] = ()
     steps: tuple[StepTruth, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check that what belongs together has one length."""
+        check_columns(self, "time_s", flags=("stationary",))
+        count = len(self.time_s)
+        check_fields(
+            self,
+            position_m=(count, 3),
+            rotation_body_to_world=(count, 3, 3),
+            tilts=[TiltTruth],
+            steps=[StepTruth],
+        )
+        super().__post_init__()
 
     def __getstate__(self) -> dict[str, Any]:
         """State to pickle or copy: what is worked out from it is worked out again."""
@@ -238,6 +268,11 @@ class WalkerMotion(Result):
         """
         turning = second_derivative(self.rotation_body_to_world, 1 / FAST_HZ)
         return _read_only(np.swapaxes(self.rotation_body_to_world, 1, 2) @ turning)
+
+
+def _check_numbers(truth: Any, *names: str) -> None:
+    for name in names:
+        as_number(getattr(truth, name), f"{type(truth).__name__}.{name}", negative=True)
 
 
 def _read_only(values: FloatArray) -> FloatArray:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mobility_imu.arguments import expect, settings_or_default
+from mobility_imu.arguments import check_columns, expect, settings_or_default
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import FloatArray, as_count, as_number
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.simulation.sensor import SensorModel, measure
@@ -59,6 +60,14 @@ class SimulatedCourt(SimulatedDrive):
     slip_right_mps: FloatArray
     pitch_rad: FloatArray
     push_onset_s: FloatArray
+
+    def __post_init__(self) -> None:
+        """Check that there is one number for each sample."""
+        expect("SimulatedCourt.recording", self.recording, Recording)
+        names = ("acceleration_mps2", "slip_left_mps", "slip_right_mps", "pitch_rad")
+        check_fields(self, **dict.fromkeys(names, (len(self.recording),)))
+        check_columns(self, "push_onset_s")
+        super().__post_init__()
 
     @property
     def slipping(self) -> NDArray[np.bool_]:
@@ -167,7 +176,7 @@ def simulate_court(
 
 
 def _check_slips(slips: Sequence[SlipEpisode]) -> None:
-    if not isinstance(slips, Sequence):
+    if not isinstance(slips, Sequence) or isinstance(slips, str | bytes):
         raise InputError(f"slips: got {type(slips).__name__}, expected a list of SlipEpisode")
     for slip in slips:
         expect("slips", slip, SlipEpisode)

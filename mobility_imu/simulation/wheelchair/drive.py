@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from mobility_imu.arguments import expect
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number, shown
+from mobility_imu.fields import check_fields
+from mobility_imu.frames import FloatArray, as_number, as_series, shown
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.simulation.seeds import stream
@@ -81,6 +82,15 @@ class SimulatedDrive(Result):
     linear_velocity_mps: FloatArray
     yaw_rate_radps: FloatArray
     task: NDArray[np.int8]
+
+    def __post_init__(self) -> None:
+        """Check that there is one number for each sample."""
+        expect(f"{type(self).__name__}.recording", self.recording, Recording)
+        count = len(self.recording)
+        check_fields(self, linear_velocity_mps=(count,), yaw_rate_radps=(count,))
+        as_series(self.task, f"{type(self).__name__}.task", length=count)
+        object.__setattr__(self, "task", np.asarray(self.task))
+        super().__post_init__()
 
     def truth(self) -> pd.DataFrame:
         """Table of the truth, columns as the velocity and task tables have them."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mobility_imu.errors import InputError
-from mobility_imu.frames import FloatArray, as_number, check_positive
+from mobility_imu.frames import FloatArray, as_floats, as_number, check_positive
 from mobility_imu.simulation.profiles import cosine_ramp, cosine_ramp_integral
 from mobility_imu.simulation.wheelchair.chair import Leg
 from mobility_imu.wheelchair.geometry import Side, side_sign
@@ -77,6 +77,7 @@ class SlipEpisode:
         -------
         two (n,) arrays
         """
+        time_s = as_floats(time_s, "time_s")
         rise = min(self.rise_s, self.duration_s / 2)
         since, left = time_s - self.start_s, self.start_s + self.duration_s - time_s
         u = np.clip(np.minimum(since, left) / rise, 0, 1)

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from mobility_imu.errors import InputError
+from mobility_imu.fields import check_fields
 from mobility_imu.frames import as_count, as_number
 from mobility_imu.results import Result
 from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.sensor import SensorModel
-from mobility_imu.simulation.wheelchair.chair import Leg, Mounting, random_mounting
+from mobility_imu.simulation.wheelchair.chair import Leg, Mounting, check_mounting, random_mounting
 from mobility_imu.simulation.wheelchair.court import SimulatedCourt, simulate_court
 from mobility_imu.simulation.wheelchair.drive import STATIC_TRIAL, STRAIGHT_TRIAL
 from mobility_imu.simulation.wheelchair.pushing import Pushing, SlipEpisode
@@ -36,6 +37,21 @@ class Court(Result):
     toe_rad: float
     pushing: Pushing
     seed: int
+
+    def __post_init__(self) -> None:
+        """Check every part; the legs are checked when they are driven."""
+        check_fields(
+            self,
+            legs=[Leg],
+            geometry=WheelchairGeometry,
+            slips=[SlipEpisode],
+            toe_rad=float,
+            pushing=Pushing,
+            seed=int,
+        )
+        as_number(self.toe_rad, "Court.toe_rad", negative=True)
+        check_mounting(self.mounting)
+        super().__post_init__()
 
     def drive(
         self, model: SensorModel | None = None, *, sampling_rate_hz: float = 100.0
