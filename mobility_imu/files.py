@@ -213,7 +213,7 @@ def _csv_text(table: pd.DataFrame) -> str:
     forms = [_FORMS.get(str(kind)) for kind in table.dtypes]
     # One column alone is left to pandas, which writes a missing number there as two quotes.
     if None in forms or len(forms) < 2 or table.columns.nlevels > 1 or os.linesep != "\n":
-        return table.to_csv(index=False, float_format="%.6f")
+        return str(table.to_csv(index=False, float_format="%.6f"))
     row = f"{','.join(map(str, forms))}\n"
     parts = [table.head(0).to_csv(index=False)]
     for start in range(0, len(table), ROWS_AT_ONCE):
