@@ -235,6 +235,10 @@ def figure_bytes(figure: Figure, path: Path) -> bytes:
     -------
     bytes
     """
+    if not hasattr(figure, "savefig"):
+        raise InputError(f"figure: got {type(figure).__name__}, expected Figure")
+    if not isinstance(path, Path):
+        raise InputError(f"path: got {type(path).__name__}, expected Path")
     buffer = io.BytesIO()
     figure.savefig(buffer, format=path.suffix[1:], dpi=150)
     return buffer.getvalue()

@@ -11,6 +11,11 @@ import numpy as np
 from mobility_imu.errors import InputError
 from mobility_imu.frames import as_number, shown
 
+LONGEST_S = 36000.0
+"""Ten hours: no part of a simulation lasts longer."""
+LONGEST_M = 1e4
+"""No part of a course is longer."""
+
 
 def check_range(value: Any, name: str, *, most: float = np.inf, any_order: bool = False) -> None:
     """Check that a value is a range of positive numbers, (low, high).
@@ -47,10 +52,11 @@ def check_ranges(style: Any) -> None:
     """
     for field in fields(style):
         value = getattr(style, field.name)
+        most = LONGEST_S if field.name.endswith("_s") else np.inf
         if isinstance(field.default, tuple):
-            check_range(value, field.name)
-        else:
-            as_number(value, field.name)
+            check_range(value, field.name, most=most)
+        elif as_number(value, field.name) > most:
+            raise InputError(f"{field.name} = {value:g}: expected up to {most:g}")
 
 
 def check_triple(value: Any, name: str) -> None:

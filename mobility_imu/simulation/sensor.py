@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import signal
 
-from mobility_imu.arguments import check_columns, expect
+from mobility_imu.arguments import check_columns, check_limits, expect
 from mobility_imu.errors import InputError
 from mobility_imu.fields import check_fields
 from mobility_imu.frames import (
@@ -87,6 +87,7 @@ class Triad:
             else:
                 number = as_number(value, name, zero=not endless, infinite=endless)
                 object.__setattr__(self, name, number)
+        check_limits(self, {"bandwidth_hz": (1e-3, np.inf)})
         if self.bits and not np.isfinite(self.full_scale):
             raise InputError(f"bits = {self.bits}: rounding needs a finite full_scale")
 

@@ -92,7 +92,7 @@ def test_warnings_are_the_sentences_of_the_remarks():
     with pytest.raises(ValueError, match="warnings"):
         replace(told, warnings=("other",))
     for wrong, says in (
-        (None, "remarks: got NoneType, expected tuple"),
+        (None, "remarks: got None, expected a tuple of Remark"),
         ("abc", "remarks: got str, expected tuple"),
         (3, "remarks: got int, expected tuple"),
         (["odd"], "remarks: got list, expected tuple"),

@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy import interpolate, ndimage
 
-from mobility_imu.arguments import expect
+from mobility_imu.arguments import check_limits, expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_count, as_number, check_positive, one_of, shown
-from mobility_imu.simulation.checks import check_range
+from mobility_imu.simulation.checks import LONGEST_M, check_range
 from mobility_imu.simulation.profiles import least_jerk
 
 
@@ -23,6 +23,8 @@ def _deg(value: float) -> float:
     return float(np.deg2rad(value))
 
 
+SHARPEST_PM = 100.0
+"""A circle of a centimetre: no wheel rolls along a sharper curve."""
 MOST_POINTS = 1_000_000
 """Points of a part of a course that is drawn."""
 
@@ -82,8 +84,12 @@ class Course:
             if not isinstance(segment, Segment):
                 raise InputError(f"{where} = {shown(segment)}: expected a Segment")
             one_of(f"{where}.tactile", segment.tactile, (True, False))
-            as_number(segment.length_m, f"{where}.length_m")
-            as_number(segment.curvature_pm, f"{where}.curvature_pm", negative=True)
+            length = as_number(segment.length_m, f"{where}.length_m")
+            if length > LONGEST_M:
+                raise InputError(f"{where}.length_m = {length:g}: expected up to {LONGEST_M:g}")
+            bend = as_number(segment.curvature_pm, f"{where}.curvature_pm", negative=True)
+            if abs(bend) > SHARPEST_PM:
+                raise InputError(f"{where}.curvature_pm = {bend:g}: expected up to {SHARPEST_PM:g}")
             for what in ("grade_rad", "bank_rad"):
                 slope = as_number(getattr(segment, what), f"{where}.{what}", negative=True)
                 if abs(slope) > np.pi / 4:
@@ -187,6 +193,9 @@ class Ground:
         sizes = ("roughness_m", "tactile_m", "grade_sd_rad", "bank_sd_rad")
         check_positive(self, "roughness_length_m", *sizes, allow_zero=sizes)
         check_range(self.tactile_pitch_m, "Ground.tactile_pitch_m")
+        slopes = dict.fromkeys(("grade_sd_rad", "bank_sd_rad"), (0.0, np.pi / 4))
+        heights = dict.fromkeys(("roughness_m", "tactile_m"), (0.0, 1.0))
+        check_limits(self, {"roughness_length_m": (1e-3, 10.0), **heights, **slopes})
 
 
 SMOOTH_GROUND = Ground(0.0, 0.08, 0.0, (0.055, 0.060), 0.0, 0.0)

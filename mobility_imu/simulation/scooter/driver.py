@@ -9,6 +9,7 @@ import numpy as np
 from scipy import signal
 
 from mobility_imu._compiled import compiled
+from mobility_imu.arguments import check_limits
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, check_positive
 from mobility_imu.scooter.geometry import ScooterGeometry
@@ -51,6 +52,8 @@ class Driver:
     def __post_init__(self) -> None:
         """Check every size."""
         check_positive(self, allow_zero=("hand_noise_rad",))
+        # Faster arms would not be stable in steps of 1 / DRIVER_HZ.
+        check_limits(self, {"arm_hz": (1e-3, 20.0), "look_ahead_m": (0.01, 100.0)})
         if self.throttle_rad > LARGEST_THROTTLE_RAD:
             raise InputError(
                 f"Driver.throttle_rad = {self.throttle_rad:g}: expected up to "

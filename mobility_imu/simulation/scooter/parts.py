@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mobility_imu.arguments import check_limits
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, as_count, as_number, check_positive
 from mobility_imu.simulation.checks import check_range, check_triple
 from mobility_imu.simulation.seeds import stream
@@ -51,6 +52,7 @@ class Layout:
     def __post_init__(self) -> None:
         """Check lengths and places."""
         check_positive(self, "wheelbase_m", "tread_m")
+        check_limits(self, dict.fromkeys(("wheelbase_m", "tread_m"), (0.01, 100.0)))
         for name in ("body_imu_m", "steering_point_m", "lever_pivot_m", "lever_imu_m"):
             check_triple(getattr(self, name), f"Layout.{name}")
 
@@ -117,6 +119,8 @@ class Reference:
         sizes = ("steering_play_rad", "throttle_play_rad", "resolution_m", "clock_offset_s")
         check_positive(self, "disk_radius_m", "wheel_radius_m", *sizes, allow_zero=sizes)
         as_count(self.wheel_magnets, "Reference.wheel_magnets")
+        limits = {"wheel_magnets": (1, 10_000), "wheel_radius_m": (0.001, 100.0)}
+        check_limits(self, {**limits, "disk_radius_m": (1e-6, 100.0)})
 
 
 PERFECT_REFERENCE = Reference(0.0, 0.0, 0.03, 0.0, 4, 0.13, 0.0)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from mobility_imu.arguments import check_columns
+from mobility_imu.arguments import check_columns, check_limits
 from mobility_imu.errors import InputError
 from mobility_imu.fields import check_fields
 from mobility_imu.frames import (
@@ -93,6 +93,8 @@ class Imperfections:
         """Check every size."""
         sizes = [f.name for f in fields(self) if f.name != "landing_ringing_hz"]
         check_positive(self, *sizes, allow_zero=sizes)
+        turns = ("edge_twist_rad", "hold_tremor_rad", "rocking_rad")
+        check_limits(self, dict.fromkeys(turns, (0.0, np.pi)))
         check_range(self.landing_ringing_hz, "landing_ringing_hz", most=FAST_HZ / 10)
         if not 0.01 <= self.landing_stop_s <= 0.2:
             raise InputError(f"landing_stop_s = {self.landing_stop_s}: expected 0.01 to 0.2 s")

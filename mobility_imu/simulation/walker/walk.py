@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.arguments import expect, settings_or_default
+from mobility_imu.arguments import check_limits, expect, settings_or_default
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_number, shown
 from mobility_imu.rotations import elementary_rotation
-from mobility_imu.simulation.checks import check_ranges
+from mobility_imu.simulation.checks import LONGEST_M, LONGEST_S, check_ranges
 from mobility_imu.simulation.profiles import hump, smooth, window
 from mobility_imu.simulation.seeds import stream
 from mobility_imu.simulation.walker.motion import (
@@ -60,6 +60,9 @@ class WalkStyle:
     def __post_init__(self) -> None:
         """Check every range."""
         check_ranges(self)
+        if self.length_m[0] < 0.01:
+            raise InputError(f"length_m = {self.length_m}: expected steps of 0.01 m or more")
+        check_limits(self, {"turn_step_rad": (0.01, 2 * np.pi)})
         if self.pitch_rad[1] > np.pi / 4:
             raise InputError(f"pitch_rad = {self.pitch_rad}: expected up to pi/4 (in deg?)")
 
@@ -79,7 +82,8 @@ class Leg:
 
     def __post_init__(self) -> None:
         """Check both numbers."""
-        as_number(self.length_m, "length_m", zero=True)
+        if as_number(self.length_m, "length_m", zero=True) > LONGEST_M:
+            raise InputError(f"length_m = {self.length_m:g}: expected up to {LONGEST_M:g}")
         if abs(as_number(self.turn_rad, "turn_rad", negative=True)) > 2 * np.pi:
             raise InputError(f"turn_rad = {self.turn_rad}: expected within a full turn (in deg?)")
 
@@ -100,10 +104,6 @@ TIMED_UP_AND_GO = (Leg(3.0, np.pi), Leg(3.0, np.pi))
 
 OUT_AND_BACK_30 = (Leg(30.0, np.pi), Leg(30.0, np.pi))
 """Up and down a 30 m hallway, as in a 6-Minute Walk Test (with ``duration_s=360``)."""
-
-
-LONGEST_WALK_S = 36000.0
-"""Nobody walks for longer without a pause."""
 
 
 def simulate_walk(
@@ -147,9 +147,9 @@ def simulate_walk(
         raise InputError("path: expected at least one leg with a length")
     if duration_s is not None:
         duration_s = as_number(duration_s, "duration_s")
-        if duration_s > LONGEST_WALK_S:
+        if duration_s > LONGEST_S:
             raise InputError(
-                f"duration_s = {duration_s:g}: expected up to {LONGEST_WALK_S:g} s, ten hours"
+                f"duration_s = {duration_s:g}: expected up to {LONGEST_S:g} s, ten hours"
             )
     rocks, creeps, misses, landings, rings = (stream(seed, 32, k) for k in range(1, 6))
     plan = _plan(path, style, stream(seed, 32), duration_s)

@@ -14,7 +14,7 @@ import numpy as np
 from scipy import integrate
 from scipy.spatial.transform import Rotation
 
-from mobility_imu.arguments import expect
+from mobility_imu.arguments import check_limits, expect
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
     STANDARD_GRAVITY_MPS2,
@@ -28,6 +28,7 @@ from mobility_imu.frames import (
 from mobility_imu.recording import HIGHEST_RATE_HZ, Imu
 from mobility_imu.results import Result
 from mobility_imu.rotations import elementary_rotation
+from mobility_imu.simulation.checks import LONGEST_S
 from mobility_imu.simulation.profiles import least_jerk, least_jerk_bend, least_jerk_slope
 from mobility_imu.simulation.seeds import stream
 from mobility_imu.wheelchair.geometry import Side, WheelchairGeometry, side_sign
@@ -59,6 +60,7 @@ class Leg:
         """Check every number."""
         one_of("Leg.task", self.task, range(1, 7))
         check_positive(self, "duration_s")
+        check_limits(self, {"duration_s": (0.0, LONGEST_S)})
         for name in ("linear_velocity_mps", "yaw_rate_degps", "slope_deg"):
             as_number(getattr(self, name), f"Leg.{name}", negative=True)
         if abs(self.slope_deg) > 45:

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mobility_imu.arguments import check_limits
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_floats, as_number, check_positive
+from mobility_imu.simulation.checks import LONGEST_S
 from mobility_imu.simulation.profiles import cosine_ramp, cosine_ramp_integral
 from mobility_imu.simulation.wheelchair.chair import Leg
 from mobility_imu.wheelchair.geometry import Side, side_sign
@@ -36,6 +38,7 @@ class Pushing:
     def __post_init__(self) -> None:
         """Check every size."""
         check_positive(self)
+        check_limits(self, {"push_s": (1e-3, LONGEST_S)})
         if self.push_s >= self.cycle_s:
             raise InputError(f"push_s = {self.push_s}: expected less than cycle_s = {self.cycle_s}")
 
