@@ -93,11 +93,11 @@ def test_warnings_are_the_sentences_of_the_remarks():
         replace(told, warnings=("other",))
     for wrong, says in (
         (None, "remarks: got None, expected a tuple of Remark"),
-        ("abc", "remarks: got str, expected tuple"),
-        (3, "remarks: got int, expected tuple"),
-        (["odd"], "remarks: got list, expected tuple"),
-        (("odd",), "remarks: got str, expected Remark"),
-        ((tuple(one),), "remarks: got tuple, expected Remark"),
+        ("abc", "remarks: got 'abc', expected a tuple of Remark"),
+        (3, "remarks: got 3, expected a tuple of Remark"),
+        (["odd"], r"remarks\[0\]: got str, expected Remark"),
+        (("odd",), r"remarks\[0\]: got str, expected Remark"),
+        ((tuple(one),), r"remarks\[0\]: got tuple, expected Remark"),
         ((one._replace(code="odd"),), "code of a remark = 'odd'"),
         ((one._replace(code=[]),), r"code of a remark = \[\]"),
         ((one._replace(sensor=None),), "sensor of a remark: got NoneType, expected str"),
