@@ -26,6 +26,8 @@ FloatArray = NDArray[np.float64]
 Choice = TypeVar("Choice")
 _TRUTH = (bool, np.bool_)
 
+ROUNDED = 0.02
+"""A rotation matrix whose numbers have two decimals misses an orthogonal one by less."""
 STANDARD_GRAVITY_MPS2 = 9.80665
 """What an ideal accelerometer at rest reads in total, m/s² (standard gravity)."""
 GAP_FACTOR = 1.5
@@ -223,7 +225,7 @@ def as_clock(time_s: ArrayLike, name: str = "time_s", *, even: bool = False) -> 
         step = np.diff(clock)
     if (step == 0).any():
         k = int(np.argmax(step == 0))
-        raise InputError(f"{name}: {clock[k]:g} s stands twice (samples {k} and {k + 1})")
+        raise InputError(f"{name}: {clock[k]:g} s appears twice (samples {k} and {k + 1})")
     if (step < 0).any():
         k = int(np.argmax(step < 0))
         raise InputError(
@@ -302,8 +304,10 @@ def as_rotation(matrix: ArrayLike, name: str, *, tolerance: float = 1e-3) -> Flo
     array = as_floats(matrix, name)
     if array.shape != (3, 3) or not np.isfinite(array).all():
         raise InputError(f"{name}: expected a rotation matrix of 3 x 3 numbers")
-    if np.abs(array).max() > 2 or not np.allclose(array @ array.T, np.eye(3), atol=tolerance):
-        raise InputError(f"{name}: not orthogonal, expected a 3 x 3 rotation matrix")
+    off = np.abs(array @ array.T - np.eye(3)).max() if np.abs(array).max() <= 2 else np.inf
+    if off > tolerance:
+        rounded = "; were its numbers rounded? Write six digits" if off < ROUNDED else ""
+        raise InputError(f"{name}: not orthogonal, expected a 3 x 3 rotation matrix{rounded}")
     if np.linalg.det(array) < 0:
         raise InputError(f"{name}: a mirror (determinant -1), expected a rotation matrix")
     return array

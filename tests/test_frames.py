@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.spatial.transform import Rotation
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import (
@@ -151,7 +152,7 @@ def test_an_angle_that_is_none_leaves_the_others_alone():
         ([], "0 sample(s)"),
         ([0], "1 sample(s)"),
         ([[0, 1]], "one time series"),
-        ([0, 0, 1], "0 s stands twice (samples 0 and 1)"),
+        ([0, 0, 1], "0 s appears twice (samples 0 and 1)"),
         ([0, 2, 1], "runs backwards at sample 2"),
         (np.array([3, 2, 5], np.uint8), "runs backwards at sample 1"),
         ([0, 1, 2, 3, 10], "gap of 7 s after 3 s"),
@@ -160,7 +161,7 @@ def test_an_angle_that_is_none_leaves_the_others_alone():
         ([-1.7e308, 1.7e308], "are the times in s?"),
         ([0, 1e308, 1.7e308], "are the times in s?"),
         ([0, 5e-324, 1e-323], "are the times in s?"),
-        ([2**62, 2**62 + 1, 2**62 + 2], "stands twice"),
+        ([2**62, 2**62 + 1, 2**62 + 2], "appears twice"),
         (pd.date_range("2026", periods=3), "got dates"),
         (pd.to_timedelta([1, 2, 3], unit="s"), "got time differences"),
     ],
@@ -326,3 +327,17 @@ def test_values_are_shown_short_and_in_one_line():
     for value in ("x" * 10**6, np.zeros((100, 3)), pd.DataFrame([1, 2]), 16**5000, list(range(99))):
         assert len(shown(value)) <= 63 and "\n" not in shown(value)
     assert shown(np.float64(0.5)) == "0.5"
+
+
+def test_a_rotation_matrix_that_was_rounded_is_refused_with_what_to_do():
+    """Of all matrices with three decimals a fifth miss an orthogonal one by more than allowed."""
+    exact = Rotation.random(200, random_state=1).as_matrix()
+    for matrix in exact.round(2):
+        assert refused(as_rotation, matrix, "mount").endswith("Write six digits")
+    few = [m for m in exact.round(3) if abs(m @ m.T - np.eye(3)).max() > 1e-3]
+    assert len(few) > 20
+    for matrix in few:
+        assert refused(as_rotation, matrix, "mount").endswith("Write six digits")
+    for matrix in exact.round(6):
+        as_rotation(matrix, "mount")
+    assert "digits" not in refused(as_rotation, 1.1 * np.eye(3), "mount")

@@ -166,14 +166,14 @@ FAULTS = {
     ),
     "a column twice": (
         lambda t: pd.concat([t, t["frame_acc_x_mps2"]], axis=1),
-        "column frame_acc_x_mps2 stands twice",
+        "column frame_acc_x_mps2 appears twice",
     ),
     "no sensor": (lambda t: t[["time_s"]], "no sensor"),
     "one row": (lambda t: t[:1], r"1 sample\(s\), expected at least 2"),
     "header only": (lambda t: t[:0], "a header, but no rows"),
     "a time twice": (
         lambda t: at(t, 4, "time_s", 0.03),
-        r"time_s: 0\.03 s stands twice \(samples 3 and 4\)",
+        r"time_s: 0\.03 s appears twice \(samples 3 and 4\)",
     ),
     "unsorted": (
         lambda t: pd.concat([t[6:], t[:6]]),
@@ -291,7 +291,7 @@ def test_wheelmove_csv_has_no_clock_so_the_rate_is_the_readers(tmp_path):
     ("change", "message"),
     [
         (lambda t: t.replace("RoueDroite_Gyr_Z", "RoueDroite_Gyr_W"), "no column RoueDroite_Gyr_Z"),
-        (lambda t: t.replace("Chassis_Acc_Y", "Chassis_Acc_X"), "chassis_acc_x stands twice"),
+        (lambda t: t.replace("Chassis_Acc_Y", "Chassis_Acc_X"), "chassis_acc_x appears twice"),
         (lambda t: t[:-25], r"line 13 has \d+ of 18 cells; was the file cut short"),
         (lambda t: t.split("\n")[0] + "\n", "no rows"),
         (lambda t: t.replace("\n0", "\nx", 1).replace("\n-0", "\nx", 1), "is not a number"),
@@ -413,7 +413,7 @@ def shifted(parts, sensor, change):
         ),
         (
             lambda p: shifted(p, "frame", lambda t: t.iloc[[0, 1, 1, 2, 3]]),
-            "Trial-Frame.txt: the packet counter stands twice at row",
+            "Trial-Frame.txt: the packet counter appears twice at row",
         ),
         (
             lambda p: shifted(p, "frame", lambda t: t.iloc[[0, 3, 2, 4, 5]]),

@@ -137,7 +137,7 @@ def test_a_repr_is_one_line():
         (TIME_S[:1], "1 sample"),
         (TIME_S[::-1], "runs backwards at sample 1"),
         (np.where(TIME_S > 1, TIME_S + 1, TIME_S), "gap of 1.01 s after 1 s"),
-        (np.where(TIME_S == 1, 0.99, TIME_S), "stands twice"),
+        (np.where(TIME_S == 1, 0.99, TIME_S), "appears twice"),
         (np.where(TIME_S == 1, np.nan, TIME_S), "sample 100 is nan"),
         (TIME_S * 1e-320, "steps of"),
         (TIME_S[:-1], "expected shape (199, 3)"),

@@ -137,7 +137,7 @@ def _format_7(text: str, source: str) -> tuple[Stream, ...]:
         if what in FORMAT_7 and axis in ("X", "Y", "Z"):
             if (place, FORMAT_7[what], axis) in wanted:
                 raise InputError(
-                    f"{source}: column {quoted(name[: name.rindex('/')])} stands twice"
+                    f"{source}: column {quoted(name[: name.rindex('/')])} appears twice"
                 )
             wanted[(place, FORMAT_7[what], axis)] = k
     if not wanted:

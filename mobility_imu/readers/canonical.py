@@ -44,7 +44,7 @@ def read_canonical(text: str, source: str, asked: Asked) -> tuple[Stream, ...]:
     Raises
     ------
     InputError
-        If a column is missing, misspelt or stands twice, or a cell is no finite number.
+        If a column is missing, misspelt or appears twice, or a cell is no finite number.
     """
 
     def wanted(name: str) -> bool:

@@ -574,7 +574,7 @@ def _recorded(
 
 
 ADVICE = {
-    "s stands twice (samples": "; remove one of the two rows",
+    "s appears twice (samples": "; remove one of the two rows",
     "time_s: runs backwards": "; sort the rows, or cut the recording there",
 }
 """What to do where a Recording refuses a clock for something else, by words of its message."""

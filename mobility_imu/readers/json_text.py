@@ -10,7 +10,7 @@ from mobility_imu.readers.wording import named
 
 
 class RepeatedKeyError(InputError):
-    """A key stands twice in one object."""
+    """A key appears twice in one object."""
 
 
 def load_json(text: str) -> Any:
@@ -27,7 +27,7 @@ def load_json(text: str) -> Any:
     Raises
     ------
     RepeatedKeyError
-        If a key stands twice in one object: of two values, Python takes the second.
+        If a key appears twice in one object: of two values, Python takes the second.
     ValueError, RecursionError
         As ``json.loads`` raises them.
     """
@@ -49,7 +49,7 @@ def load_recording(text: str, source: str) -> Any:
     Raises
     ------
     InputError
-        If it is no JSON, or a key stands twice in one object.
+        If it is no JSON, or a key appears twice in one object.
     """
     try:
         return load_json(text)
@@ -65,6 +65,6 @@ def _without_repeats(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         seen: set[str] = set()
         for key, _ in pairs:
             if key in seen:
-                raise RepeatedKeyError(f"{named(key)} stands twice in one object")
+                raise RepeatedKeyError(f"{named(key)} appears twice in one object")
             seen.add(key)
     return found

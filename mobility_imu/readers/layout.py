@@ -212,5 +212,5 @@ def check_names(names: Sequence[str], source: str) -> None:
     seen: set[str] = set()
     for name in names:
         if name.lower() in seen:
-            raise InputError(f"{source}: column {named(name.lower())} stands twice")
+            raise InputError(f"{source}: column {named(name.lower())} appears twice")
         seen.add(name.lower())

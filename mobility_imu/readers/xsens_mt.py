@@ -450,7 +450,7 @@ def unwrapped(counter: FloatArray, source: str) -> FloatArray:
     step = np.diff(counter)
     if (step <= 0).any():
         k = int(np.argmax(step <= 0))
-        kind = "stands twice" if step[k] == 0 else "runs backwards"
+        kind = "appears twice" if step[k] == 0 else "runs backwards"
         raise InputError(f"{source}: the packet counter {kind} at row {k + 2}")
     return counter
 
@@ -464,5 +464,5 @@ def _update_rate(comments: str, source: str) -> float | None:
             raise InputError(f"{source}: {key}:{quoted(stated)}, expected a number of Hz")
         rates.add(check_rate(float(number[1].replace(",", ".")), f"{source}: {key}:"))
     if len(rates) > 1:
-        raise InputError(f"{source}: Update Rate: stands twice ({sorted(rates)} Hz)")
+        raise InputError(f"{source}: Update Rate: appears twice ({sorted(rates)} Hz)")
     return rates.pop() if rates else None

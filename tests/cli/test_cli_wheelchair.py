@@ -226,7 +226,7 @@ def test_tool_settings_file(with_settings, works, fails):
         ('{"freqAcq": "100"}', "freqAcq = '100', expected a number"),
         ('{"seuilVitLinAbs": true}', "seuilVitLinAbs = True, expected a number"),
         ('{"seuilVitLinAbs": "0.5"}', "seuilVitLinAbs = '0.5', expected a number"),
-        ('{"seuilVitLinAbs": 1, "seuilVitLinAbs": 2}', "seuilVitLinAbs stands twice"),
+        ('{"seuilVitLinAbs": 1, "seuilVitLinAbs": 2}', "seuilVitLinAbs appears twice"),
         ('{"seuilVitLinAbs": NaN}', "seuilVitLinAbs = nan, expected a number"),
         ('{"seuilVitLinAbs": 1' + 310 * "0" + "}", "expected a number"),
         ('{"seuilVitLinAbs": 1' + 5000 * "0" + "}", "too many digits"),

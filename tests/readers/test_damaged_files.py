@@ -337,7 +337,7 @@ def test_update_rates_as_they_are_written(tmp_path, rate):
 
 def test_two_update_rates_in_one_file(tmp_path):
     twice = "// Update Rate: 100.0Hz\n// Update Rate: 60.0Hz\n"
-    assert "stands twice" in refused(read_recording, export(tmp_path, rate=twice))
+    assert "appears twice" in refused(read_recording, export(tmp_path, rate=twice))
     assert len(read_recording(export(tmp_path, rate="// Update Rate: 100Hz\n" * 2))) == 20
 
 

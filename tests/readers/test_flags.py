@@ -113,7 +113,7 @@ def test_a_column_of_velocities_that_stands_twice(tmp_path, name, word):
     place = head.split(",").index(name.lower())
     rows = [f"{row},{row.split(',')[place]}" for row in rows]
     (tmp_path / "v.csv").write_text("\n".join([f"{head},{name}", *rows]))
-    with pytest.raises(InputError, match=f"column {name.lower()} stands twice"):
+    with pytest.raises(InputError, match=f"column {name.lower()} appears twice"):
         read_velocities(tmp_path / "v.csv")
 
 
@@ -123,7 +123,7 @@ def test_rests_without_their_column_or_with_two(tmp_path):
     with pytest.raises(InputError, match=r"no column stationary \(it has: time_s, note\)"):
         read_rests(tmp_path / "r.csv", TIME_S)
     table.assign(stationary=1, Stationary=0).to_csv(tmp_path / "r.csv", index=False)
-    with pytest.raises(InputError, match="column stationary stands twice"):
+    with pytest.raises(InputError, match="column stationary appears twice"):
         read_rests(tmp_path / "r.csv", TIME_S)
 
 

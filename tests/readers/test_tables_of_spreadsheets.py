@@ -148,7 +148,7 @@ def test_a_row_that_lacks_a_number_is_named_with_what_to_do(mapped):
     ("change", "says"),
     [
         (lambda t: np.delete(t, slice(50, 90), axis=0), "gap of 0.41 s .* give --fill-gaps-s"),
-        (lambda t: np.insert(t, 50, t[50], axis=0), "stands twice .* remove one of the two rows"),
+        (lambda t: np.insert(t, 50, t[50], axis=0), "appears twice .* remove one of the two rows"),
         (lambda t: np.roll(t, 50, axis=0), "runs backwards .* sort the rows, or cut the recording"),
     ],
 )

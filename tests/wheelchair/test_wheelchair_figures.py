@@ -73,7 +73,7 @@ def test_chronogram_keeps_the_velocities_peaks_at_any_length(minutes, tmp_path):
         (([0, 1], [1, 7]), "sample 1 is 7, expected 1 to 6"),
         (([0, 1], [1, 0]), "sample 1 is 0"),
         (([0, 1], [1]), "expected 2 samples"),
-        (([0, 0], [1, 1]), "stands twice"),
+        (([0, 0], [1, 1]), "appears twice"),
         (([0], [1]), "expected at least 2"),
         (([0, 1], [1, 1], [1.0]), "linear_velocity_mps: expected 2"),
     ],

@@ -339,7 +339,7 @@ class TestPushes:
 UNEVEN = {
     "a gap": ([0.0, 1, 2, 3, 10], "gap of 7 s after 3 s"),
     "backwards": ([4.0, 3, 2, 1, 0], "runs backwards"),
-    "twice": ([0.0, 0, 0, 0, 0], "stands twice"),
+    "twice": ([0.0, 0, 0, 0, 0], "appears twice"),
     "NaN": ([0.0, 1, np.nan, 3, 4], "sample 2 is nan"),
     "one": ([0.0], "expected at least 2"),
     "none": ([], "expected at least 2"),

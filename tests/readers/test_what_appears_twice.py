@@ -1,4 +1,4 @@
-"""Columns and keys that stand twice, and keys of blanks: refused by their names."""
+"""Columns and keys that appear twice, and keys of blanks: refused by their names."""
 
 import json
 import time
@@ -35,19 +35,19 @@ def test_a_key_of_movesense(tmp_path, key):
     text = path.read_text()
     key = key if f'"{key}":' in text else "Acc"
     path.write_text(again(text, key))
-    assert refused(quietly, path) == f"{path}: {key} stands twice in one object"
+    assert refused(quietly, path) == f"{path}: {key} appears twice in one object"
 
 
 @pytest.mark.parametrize("key", ["acc_x", "timestamp"])
 def test_a_key_of_json_samples(tmp_path, key):
     path = dialects.json_samples(made(), tmp_path)
     path.write_text(again(path.read_text(), key))
-    assert refused(quietly, path) == f"{path}: {key} stands twice in one object"
+    assert refused(quietly, path) == f"{path}: {key} appears twice in one object"
 
 
 def test_a_key_of_sensor_logger(tmp_path):
     text = again('[{"sensor":"Accelerometer", "x": 1}]', "x")
-    says = "log.json: x stands twice in one object"
+    says = "log.json: x appears twice in one object"
     assert refused(read_sensor_logger_file, text, "log.json", Asked()) == says
 
 
@@ -55,7 +55,7 @@ def test_a_late_key_among_many_is_found_at_once():
     """Each key was compared with all before it: minutes for an object of 100,000."""
     text = json.dumps({f"k{k}": k for k in range(100_000)})[:-1] + ', "k99999": 1}'
     begin = time.perf_counter()
-    says = "log.json: k99999 stands twice in one object"
+    says = "log.json: k99999 appears twice in one object"
     assert refused(read_sensor_logger_file, f"[{text}]", "log.json", Asked()) == says
     assert time.perf_counter() - begin < 5
 
@@ -71,7 +71,7 @@ def test_numbers_of_json_that_are_texts(tmp_path, digits):
 @pytest.mark.parametrize(
     ("row", "says"),
     [
-        (("Accelerometer,,,Gyroscope", "Accelerometer,,,Accelerometer"), "Accelerometer/X stands"),
+        (("Accelerometer,,,Gyroscope", "Accelerometer,,,Accelerometer"), "Accelerometer/X appears"),
         (("X,Y,Z,X,Y,Z", "X,Y,Y,X,Y,Z"), "Accelerometer/Y stands"),
     ],
 )
@@ -97,7 +97,7 @@ def test_names_of_blanks_are_in_quotation_marks(tmp_path):
     path.write_text('{" ": 1}')
     assert "' ' is not a setting" in refused(read_settings, path)
     path.write_text('{"": 1, "": 2}')
-    assert refused(read_settings, path) == f"{path}: '' stands twice in one object"
+    assert refused(read_settings, path) == f"{path}: '' appears twice in one object"
 
 
 @pytest.mark.parametrize("name", ["", " "])
