@@ -72,7 +72,7 @@ def test_numbers_of_json_that_are_texts(tmp_path, digits):
     ("row", "says"),
     [
         (("Accelerometer,,,Gyroscope", "Accelerometer,,,Accelerometer"), "Accelerometer/X appears"),
-        (("X,Y,Z,X,Y,Z", "X,Y,Y,X,Y,Z"), "Accelerometer/Y stands"),
+        (("X,Y,Z,X,Y,Z", "X,Y,Y,X,Y,Z"), "Accelerometer/Y appears"),
     ],
 )
 def test_a_column_of_apdm_format_7(tmp_path, row, says):
