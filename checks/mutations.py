@@ -103,6 +103,7 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "walker/sensor_errors": ("test_walker_trajectory", "test_walker_rounding"),
     "walker/stillness": ("test_walker_navigation", "test_walker_doors"),
     "walker/trajectory": ("test_walker_uncertainty", "test_walker_doors"),
+    "walker/turned_sums": ("test_walker_rest_checks",),
     "walker/tilt_ends": ("test_walker_calibration", "test_walker_uncertainty"),
     "walker/walking_tests": ("test_walker_steps",),
 }

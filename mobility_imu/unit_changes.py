@@ -172,7 +172,7 @@ def find_unit_change(recording: Recording, name: str = "frame") -> UnitChange | 
 
 
 def _accelerometer(acc_mps2: FloatArray, width: int) -> _Half:
-    size = np.log(np.maximum(np.linalg.norm(acc_mps2, axis=1), SMALLEST))
+    size = np.log(np.maximum(_lengths(acc_mps2), SMALLEST))
     ratio = float(np.log(UNITS["acc"]))
     return _Half(acc_mps2, size, np.zeros(len(size)), width, ratio, OFF_ACC, *MEAN_OFF_ACC)
 
@@ -184,14 +184,20 @@ def _gyroscope(gyr_radps: FloatArray, acc_mps2: FloatArray, width: int) -> _Half
     size = np.log(np.maximum(_changing(gyr_radps), SMALLEST))
     ratio = float(np.log(UNITS["gyr"]))
     mean = ndimage.uniform_filter1d(gyr_radps, width, axis=0)
-    turning = np.log(np.maximum(np.linalg.norm(mean, axis=1), SMALLEST)) - size
+    turning = np.log(np.maximum(_lengths(mean), SMALLEST)) - size
     return _Half(gyr_radps, size, shaking, width, ratio, OFF_GYR, *MEAN_OFF_GYR, turning)
 
 
 def _changing(values: FloatArray) -> FloatArray:
     """Sizes of the second differences, (n,): of noise and of jolts, not of a smooth turn."""
-    size = np.linalg.norm(np.diff(values, 2, axis=0), axis=1)
+    size = _lengths(np.diff(values, 2, axis=0))
     return np.asarray(np.r_[size[:1], size, size[-1:]])
+
+
+def _lengths(vectors: FloatArray) -> FloatArray:
+    """Lengths of vectors (n, 3); numpy's own function takes three times as long."""
+    x, y, z = vectors.T
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def _parts(half: _Half) -> tuple[list[_Part], list[_Part]]:
@@ -203,10 +209,12 @@ def _parts(half: _Half) -> tuple[list[_Part], list[_Part]]:
         for stop, down in [*edges[k : k + MOST_EDGES], (count, 0)]
         if up != down and up * down <= 0 and stop - start >= half.width - GUARD
     ]
-    windows = _windows(half)
-    found: dict[int, list[_Part]] = {1: [], -1: []}
     # An edge at which a move begins may be none; of the others, the nearest belong together.
     apart = {part: off for part in pairs if (off := _apart(half, part)) < np.inf}
+    if not apart:
+        return [], []
+    windows = _windows(half)
+    found: dict[int, list[_Part]] = {1: [], -1: []}
     for part in sorted(apart, key=lambda part: (apart[part] > CLEARLY_OFF, _samples(part))):
         mine = found[part.sign]
         if any(part.start < other.stop and other.start < part.stop for other in mine):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mobility_imu.data import published_folder
@@ -50,12 +52,18 @@ def load_published(name: str) -> pd.DataFrame:
     >>> cells.loc[("upward", "e", "single_mae"), "printed"]
     '9.7'
     """
+    return _load(published_folder(), name).copy()
+
+
+@cache
+def _load(folder: Path, name: str) -> pd.DataFrame:
+    """The table, read once."""
     import pandas as pd
 
     names = published_names()
     if name not in names:
         raise InputError(f"published table {name!r} is unknown; available: {', '.join(names)}")
-    cells = pd.read_csv(published_folder() / f"{name}.csv", dtype=str, keep_default_na=False)
+    cells = pd.read_csv(folder / f"{name}.csv", dtype=str, keep_default_na=False)
     cells = cells.rename(columns={"value": "printed"})
     cells["table"] = cells["table"].astype(int)
     cells.insert(

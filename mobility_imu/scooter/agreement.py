@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, signal
+from scipy import ndimage
 
 from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
@@ -373,9 +373,8 @@ def lag_between(motion: Motion, good: NDArray[np.bool_], rate_hz: float) -> Lag:
     if low >= high or good.sum() < SHORTEST_SHAKING_S * rate_hz:
         return Lag(0.0, np.inf, 0.0)
     # A mount that is off bends slow turns, which shifts their peak: fast ones are exact.
-    band = signal.butter(2, [low, high], "band", fs=rate_hz, output="sos")
     lever, body = (
-        signal.sosfiltfilt(band, rates) * good
+        _between(rates, low, high, rate_hz) * good
         for rates in (motion.lever_locked, motion.body_locked)
     )
     longest = min(round(LONGEST_LAG_S * rate_hz), len(lever) // 4)
@@ -431,8 +430,7 @@ def twist_between(
     beside, ahead = steered(column, seen.steering_rad)
     tip = seen.throttle_rad + geometry.lean_rad
     across, _ = turn(lever_gyr[:, 1], lever_gyr[:, 2], np.sin(tip), np.cos(tip))
-    band = signal.butter(2, [low, high], "band", fs=rate_hz, output="sos")
-    shaking = signal.sosfiltfilt(band, np.column_stack([across, ahead, beside]), axis=0)[seen.good]
+    shaking = _between(np.column_stack([across, ahead, beside]), low, high, rate_hz)[seen.good]
     seen_by_lever, by_body = shaking[:, 0], shaking[:, 1:]
     normal = by_body.T @ by_body
     if np.linalg.det(normal) <= 0:
@@ -445,3 +443,11 @@ def twist_between(
     explained = 1 - float(np.sum(left**2) / max(float(np.sum(seen_by_lever**2)), 1e-30))
     size = float(np.hypot(*gains))
     return Twist(float(np.arctan2(gains[1], gains[0])), float(sd) / max(size, 1e-9), explained)
+
+
+def _between(values: FloatArray, low_hz: float, high_hz: float, rate_hz: float) -> FloatArray:
+    """What lies between two frequencies, along the first axis."""
+    from scipy import signal  # takes half a second to load
+
+    band = signal.butter(2, [low_hz, high_hz], "band", fs=rate_hz, output="sos")
+    return np.asarray(signal.sosfiltfilt(band, values, axis=0))

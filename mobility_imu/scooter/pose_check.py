@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
+from scipy import special
 
 from mobility_imu.arguments import check_columns, expect, settings_or_default
 from mobility_imu.fields import check_fields
@@ -59,7 +59,7 @@ __all__ = ["PoseCheck", "PoseCheckSettings", "check_poses", "pose_uncertainty"]
 CONTROLS = ("steering", "throttle")
 Verdict = Literal["agrees", "differs", "cannot be judged"]
 LEVEL_95 = 0.95
-QUANTILE_95 = float(stats.norm.ppf(0.5 + LEVEL_95 / 2))
+QUANTILE_95 = float(special.ndtri(0.5 + LEVEL_95 / 2))
 EACH_TEST = 0.05 / 3
 """Chi-square and two mean differences: together they call 5 of 100 right scooters wrong."""
 TOO_GOOD = 0.005
@@ -237,7 +237,7 @@ class PoseCheck(Result):
     def probability(self) -> float:
         """How often chance alone makes the chi-square as large, if the assumed sizes hold."""
         degrees = 2 * int(self.judged.sum())
-        return float(stats.chi2.sf(self.chi_square, degrees)) if degrees else float("nan")
+        return float(special.chdtrc(degrees, self.chi_square)) if degrees else float("nan")
 
     def to_frame(self) -> pd.DataFrame:
         """Table in degrees, one row for each pose and control.
@@ -519,12 +519,12 @@ def _judge(
         f"{np.rad2deg(sd):.1f} deg: look at the zero of the protractor, at alpha and beta, and "
         "calibrate the mount"
         for name, mean, sd in _means(difference, covariance, judged)
-        if abs(mean) > stats.norm.ppf(1 - EACH_TEST / 2) * sd
+        if abs(mean) > special.ndtri(1 - EACH_TEST / 2) * sd
     ]
-    if chi_square < stats.chi2.ppf(TOO_GOOD, 2 * count):
+    if chi_square < 2 * special.gammaincinv(count, TOO_GOOD):
         found.append(
             "the differences are smaller than stated: sensors and protractor are better than "
             "assumed, the stated standard deviations too large"
         )
-    differs = bool(apart) or chi_square > stats.chi2.ppf(1 - EACH_TEST, 2 * count)
+    differs = bool(apart) or chi_square > special.chdtri(2 * count, EACH_TEST)
     return "differs" if differs else "agrees", (*apart, *found)

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import stats
+from scipy import special
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import STANDARD_GRAVITY_MPS2, FloatArray, as_floats
@@ -221,13 +221,13 @@ def wrong_angles(
     found = []
     for suspect in suspects:
         gain, _ = _gain(left, suspect.columns(by_angles), precision)
-        if stats.chi2.sf(gain, len(suspect.controls)) < limit:
+        if special.chdtrc(len(suspect.controls), gain) < limit:
             mended, rest = _mended(suspect, places, set_rad, geometry, mount_of)
             found.append((rest, suspect, mended))
     if not found:
         return None
     rest, suspect, mended = min(found, key=lambda one: one[0])
-    if rest > stats.chi2.isf(BY_CHANCE, left.size - 6 - len(suspect.controls)):
+    if rest > special.chdtri(left.size - 6 - len(suspect.controls), BY_CHANCE):
         return Wrong()
     control = CONTROLS[suspect.controls[0]] if len(suspect.controls) == 1 else ""
     steering, throttle = mended[suspect.poses[0]].tolist()

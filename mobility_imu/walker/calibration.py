@@ -22,7 +22,7 @@ from mobility_imu.frames import FloatArray, as_number, one_of
 from mobility_imu.recording import Recording
 from mobility_imu.results import Result
 from mobility_imu.walker.arc_fit import ArcFit, arm_noise, fit_arc
-from mobility_imu.walker.follow import as_sentences, navigate_recording
+from mobility_imu.walker.follow import as_sentences, followed, navigate_recording
 from mobility_imu.walker.footprint import (
     ACROSS,
     FOOTPRINT_WORDS,
@@ -164,11 +164,10 @@ def calibrate_mount(
     check_choices(geometry, method, form, order)
     one_of("smooth", smooth, (True, False))
 
-    def path_of(readings: Recording) -> tuple[Navigation, tuple[str, ...]]:
-        return navigate_recording(readings, smooth=smooth, settings=settings, stillness=stillness)
-
     try:
-        path, warnings = path_of(recording)
+        path, warnings = navigate_recording(
+            recording, smooth=smooth, settings=settings, stillness=stillness
+        )
         found = calibrate_from_path(
             path,
             geometry,
@@ -182,7 +181,12 @@ def calibrate_mount(
         )
         if method != "all-samples":
             return found
-        return with_sensor_errors(found, path, recording, lambda wrong: path_of(wrong)[0])
+        return with_sensor_errors(
+            found,
+            path,
+            recording,
+            lambda wrong: followed(wrong, smooth, found.settings, found.stillness)[0],
+        )
     except InputError as error:
         if str(error).startswith(recording.source):
             raise

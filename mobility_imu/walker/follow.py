@@ -25,7 +25,7 @@ from mobility_imu.walker.navigation import (
 )
 from mobility_imu.walker.stillness import StillnessSettings, find_stillness
 
-__all__ = ["as_sentences", "checked_options", "navigate_recording"]
+__all__ = ["as_sentences", "checked_options", "followed", "navigate_recording"]
 
 LATEST_REST_S = 5.0
 """The first rest has to begin within this time."""
@@ -88,6 +88,33 @@ def navigate_recording(
         rests=rests,
     )
     _check_rate_and_size(recording)
+    return followed(recording, smooth, settings, stillness, closed_loop, known)
+
+
+def followed(
+    recording: Recording,
+    smooth: bool,
+    settings: NavigationSettings,
+    stillness: StillnessSettings,
+    closed_loop: ClosedLoop | None = None,
+    known: NDArray[np.bool_] | None = None,
+) -> tuple[Navigation, tuple[str, ...]]:
+    """The same of readings whose units and sizes are known to be right.
+
+    Parameters
+    ----------
+    recording, smooth, settings, stillness, closed_loop : of :func:`navigate_recording`, checked
+    known : (n,) bool array of the rests, or None
+
+    Returns
+    -------
+    Navigation, warnings
+
+    Raises
+    ------
+    InputError
+        As :func:`navigate_recording`, but for rate, units and sizes.
+    """
     imu, gyr = recording.sensor("frame"), recording.gyroscope("frame")
     rate_hz = recording.sampling_rate_hz
     (cut, cut_gyr), warnings = _faulty_samples(recording)

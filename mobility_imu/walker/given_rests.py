@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 __all__ = ["GIVEN_WORDS", "shifted_rests"]
 
@@ -41,6 +40,8 @@ def shifted_rests(
     size = float(np.linalg.norm(one) * np.linalg.norm(other))
     if size == 0.0:
         return None
+    from scipy import signal  # takes half a second to load
+
     alike = signal.correlate(other, one, mode="full", method="fft") / size
     if float(one @ other) < -ALIKE * size:
         return (

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import pairwise, product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,13 @@ from scipy import ndimage
 from mobility_imu.frames import FloatArray
 from mobility_imu.rotations import cross_matrix
 from mobility_imu.runs import long_runs, runs_of
+from mobility_imu.walker.turned_sums import (
+    Moved,
+    Sums,
+    TurnedSums,
+    quickest_sums,
+    sums_in_arrays,
+)
 
 __all__ = [
     "HalvesFit",
@@ -61,8 +68,6 @@ as of a frame that is rolled and never tilts, leave them as they are. Our choice
 HUBER = 1.5
 """Moves count less beyond so many medians of all lengths. Huber's constant is 1.345 standard
 deviations for one number; of six normal ones 6 % are longer than this."""
-TINY = 1e-300
-"""A turn of nothing is divided by it instead of by zero."""
 LEVEL_M = 0.4
 """Sum of the moves' heights from which on they say nothing of the halves: the floor may not be
 level. On a ramp of 3 deg and more they passed for lags of up to 0.1 s and scales of 16 %. The
@@ -96,10 +101,6 @@ on the mean: by the leans the rates of 8 sound walks of six minutes, level "real
 900,600 on, were 6 % too large on average, by the speeds 0.2 %."""
 ROUNDS = 3
 """Steps of Gauss and Newton after the grid; the third moves by less than an error."""
-
-
-ComplexArray = NDArray[np.complexfloating[Any, Any]]
-"""Halves of quaternions, as :class:`_Attitudes` has them."""
 
 
 class Readings(NamedTuple):
@@ -160,41 +161,21 @@ class Moves(NamedTuple):
         return np.asarray(np.hypot(self.misfit[:, 3], self.misfit[:, 4]))
 
 
-class _Attitudes(NamedTuple):
-    """Quaternions as pairs of complex numbers, w + x i and y + z i, which multiply fastest."""
+class _Stood(NamedTuple):
+    """Gravity at both ends of each move, with an offset of the accelerometer.
 
-    first: ComplexArray
-    second: ComplexArray
+    Parameters
+    ----------
+    upright : (m, 3, 3) array, from the axes of the first sample to level ones
+    last : (m, 3) array of unit vectors, gravity at the end
+    down, aside : (m, 2) and (m, 1) arrays, weighed sums over gravity's size, m/s and m, and over
+        its lean, m/s for each rad
+    """
 
-    def times(self, first: ComplexArray, second: ComplexArray) -> _Attitudes:
-        """Product with other quaternions."""
-        return _Attitudes(
-            self.first * first - self.second * second.conj(),
-            self.first * second + self.second * first.conj(),
-        )
-
-    def part(self, samples: slice) -> _Attitudes:
-        """Those of some samples of each move."""
-        return _Attitudes(self.first[:, samples], self.second[:, samples])
-
-    def running_products(self) -> _Attitudes:
-        """Product of each and all before it: of pairs first, then of the single ones after them."""
-        count = self.first.shape[1]
-        if count == 1:
-            return self
-        pairs = self.part(slice(0, count - 1, 2)).times(*self.part(slice(1, None, 2)))
-        pairs = pairs.running_products()
-        singles = pairs.part(slice((count - 1) // 2)).times(*self.part(slice(2, None, 2)))
-        result = _Attitudes(self.first.copy(), self.second.copy())
-        for whole, of_pairs, of_singles in zip(result, pairs, singles, strict=True):
-            whole[:, 1::2], whole[:, 2::2] = of_pairs, of_singles
-        return result
-
-    def applied(self, vectors: FloatArray) -> FloatArray:
-        """Vectors (m, n, 3) turned: q v q*."""
-        half = self.times(1j * vectors[..., 0], vectors[..., 1] + 1j * vectors[..., 2])
-        first, second = half.times(self.first.conj(), -self.second)
-        return np.stack([first.imag, second.real, second.imag], axis=-1)
+    upright: FloatArray
+    last: FloatArray
+    down: FloatArray
+    aside: FloatArray
 
 
 class _Batch:
@@ -228,54 +209,68 @@ class _Batch:
         # Set down as it was lifted; a frame that is held tilted has its IMU at another height.
         self.back = (self.first * self.last).sum(axis=1) > np.cos(BACK_RAD) * ends[0] * ends[1]
         longest = max((span.stop - span.start for span in self.spans), default=1)
-        begins = np.array([span.start for span in self.spans], int)[:, None]
-        stops = np.array([span.stop - 1 for span in self.spans], int)[:, None]
-        self.index = np.minimum(begins + np.arange(longest), stops)
-        clock = readings.time_s[self.index]
-        self.step = np.diff(clock, axis=1)
+        begins = np.array([span.start for span in self.spans], int)
+        counts = np.array([span.stop - span.start for span in self.spans], int)
+        index = begins[:, None] + np.minimum(np.arange(longest), counts[:, None] - 1)
+        clock = readings.time_s[index]
+        step = np.diff(clock, axis=1)
         seconds = clock[:, -1:] - clock[:, :1]
         part = (clock - clock[:, :1]) / np.maximum(seconds, 1e-9)
         # Velocity and height are sums over the force by the trapezoidal rule. The height's weighs a
         # force by the time that its velocity lasts, less half the move's: what is left of the
         # velocity at the end is spread evenly.
         lasts = seconds * (1 - part[:, 1:] - part[:, :-1]) / 2
-        between = np.stack([self.step, self.step * lasts], axis=1) / 2
-        self.weights = np.zeros((len(pairs), 2, longest))
-        self.weights[:, :, 1:] += between
-        self.weights[:, :, :-1] += between
+        between = np.stack([step, step * lasts], axis=1) / 2
+        weights = np.zeros((len(pairs), 2, longest))
+        weights[:, :, 1:] += between
+        weights[:, :, :-1] += between
         powers = np.stack([np.ones_like(part), part, part**2], axis=-1)
-        self.moments = self.weights @ powers
-        self.force = acc[self.index]
-        self.count, self.rate_hz = len(readings.time_s), rate_hz
+        self.moments = weights @ powers
+        self.rate_hz = rate_hz
         rates = np.pad(readings.gyr_radps - readings.offset(), ((1, 1), (0, 0)), mode="edge")
-        self.rates = (rates[1:] + rates[:-1]) / 2
+        self.moved = Moved(begins, counts, (rates[1:] + rates[:-1]) / 2, step, acc[index], weights)
+        self.sums: Sums = sums_in_arrays
+        self.known: dict[bytes, _Stood] = {}
 
-    def misfit(self, turned: _Attitudes, offset_mps2: ArrayLike = 0.0) -> FloatArray:
-        """Misfits (m, 6) with attitudes of :meth:`turned`, and an offset added to the force.
+    def misfit(self, turned: TurnedSums, offset_mps2: ArrayLike = 0.0) -> FloatArray:
+        """Misfits (m, 6) with the sums of :meth:`turned`, and an offset added to the force.
 
         The tilt's misfit is spread evenly over its move before the velocity is summed up, the
         velocity's before the height is: each misfit counts once.
         """
-        first, last, force = (
-            each + np.asarray(offset_mps2, float) for each in (self.first, self.last, self.force)
-        )
-        size = np.linalg.norm(first, axis=1), np.linalg.norm(last, axis=1)
-        upright = shortest_turns(first / size[0][:, None], UP)
-        sums = self.weights @ turned.applied(force) @ np.swapaxes(upright, 1, 2)
-        end = turned.part(slice(-1, None)).applied((last / size[1][:, None])[:, None])
-        lean = (upright @ np.swapaxes(end, 1, 2))[:, :2, 0]
-        # Gravity's size changes evenly from first to last; its lean grows evenly from none.
-        gravity = np.column_stack([size[0], size[1] - size[0]])[:, None]
-        down = (gravity * self.moments[:, :, :2]).sum(axis=2)
-        aside = (gravity * self.moments[:, :, 1:]).sum(axis=2)
-        speed = sums[:, 0] - np.column_stack([aside[:, :1] * lean, down[:, 0]])
-        height = sums[:, 1, 2] - down[:, 1]
-        return np.column_stack([speed, np.rad2deg(lean), height * self.back])
+        offset = np.broadcast_to(np.asarray(offset_mps2, float), 3)
+        stood = self._stood(offset)
+        sums = turned.forces + (turned.turns * offset).sum(axis=-1)
+        sums = sums @ np.swapaxes(stood.upright, 1, 2)
+        lean = (stood.upright @ (turned.ends @ stood.last[:, :, None]))[:, :2, 0]
+        result = np.empty((len(lean), 6))
+        result[:, :2] = sums[:, 0, :2] - stood.aside * lean
+        result[:, 2] = sums[:, 0, 2] - stood.down[:, 0]
+        result[:, 3:5] = np.rad2deg(lean)
+        result[:, 5] = (sums[:, 1, 2] - stood.down[:, 1]) * self.back
+        return result
+
+    def _stood(self, offset_mps2: FloatArray) -> _Stood:
+        """What the rests alone say, which most misfits of a fit have in common."""
+        key = offset_mps2.tobytes()
+        if key not in self.known:
+            first, last = self.first + offset_mps2, self.last + offset_mps2
+            sizes = np.linalg.norm(first, axis=1), np.linalg.norm(last, axis=1)
+            upright = shortest_turns(first / sizes[0][:, None], UP)
+            # Gravity's size changes evenly from first to last; its lean grows evenly from none.
+            gravity = np.column_stack([sizes[0], sizes[1] - sizes[0]])[:, None]
+            self.known[key] = _Stood(
+                upright,
+                last / sizes[1][:, None],
+                (gravity * self.moments[:, :, :2]).sum(axis=2),
+                (gravity * self.moments[:, :, 1:]).sum(axis=2)[:, :1],
+            )
+        return self.known[key]
 
     def turned(
         self, factors: ArrayLike = 1.0, lag_s: float = 0.0, askew_rad: ArrayLike = NO_TURN
-    ) -> _Attitudes:
-        """Attitudes against each move's first sample, with errors of the gyroscope taken back.
+    ) -> TurnedSums:
+        """Sums in the axes of each move's first sample, with errors of the gyroscope taken back.
 
         The rates are multiplied and come late by some time, and the gyroscope's axes are turned
         against the accelerometer's.
@@ -283,15 +278,7 @@ class _Batch:
         mixing = (np.eye(3) + cross_matrix(np.asarray(askew_rad, float))) * np.asarray(
             factors, float
         )
-        late = round(lag_s * self.rate_hz)
-        between = np.clip(self.index[:, :-1] + late + 1, 0, self.count)
-        x, y, z = (mixing @ self.rates.T)[:, between] * self.step
-        half = np.sqrt(x**2 + y**2 + z**2) / 2
-        size = np.sin(half) / np.maximum(half, TINY) / 2
-        first, second = np.ones(self.index.shape, complex), np.zeros(self.index.shape, complex)
-        first[:, 1:] = np.cos(half) + 1j * (size * x)
-        second[:, 1:] = size * (y + 1j * z)
-        return _Attitudes(first, second).running_products()
+        return self.sums(self.moved, round(lag_s * self.rate_hz), mixing)
 
 
 def moves_between_rests(readings: Readings) -> Moves:
@@ -374,6 +361,7 @@ def fit_halves(readings: Readings) -> HalvesFit:
     if len(batch.spans) < FEWEST_MOVES:
         return UNSEEN
 
+    batch.sums = quickest_sums(batch.moved)
     stated_misfit = batch.misfit(batch.turned())
     rises = _largest_sum(stated_misfit[:, 5]) > LEVEL_M
     usual = SIZES[:5] if rises else SIZES
@@ -415,7 +403,7 @@ def _largest_sum(heights_m: FloatArray) -> float:
     return float(np.abs(np.cumsum(heights_m)).max())
 
 
-def _turned(batch: _Batch, errors: FloatArray) -> _Attitudes:
+def _turned(batch: _Batch, errors: FloatArray) -> TurnedSums:
     return batch.turned(errors[1], float(errors[0]), errors[5:8])
 
 
@@ -450,7 +438,7 @@ def _fitted(
 ) -> tuple[FloatArray, FloatArray]:
     """Errors of the halves that leave the smallest misfits, and their standard deviations."""
 
-    def at(errors: FloatArray, attitudes: _Attitudes) -> FloatArray:
+    def at(errors: FloatArray, attitudes: TurnedSums) -> FloatArray:
         return weighed(batch.misfit(attitudes, errors[OFFSETS]))
 
     found, sd = start.copy(), np.full(8, np.inf)

@@ -60,13 +60,13 @@ def test_what_is_said_of_a_word_is_said_of_every_word(tmp_path, write):
     assert refused >= 3, said
 
 
-@pytest.mark.parametrize("rows", [3, 300_000])
+@pytest.mark.parametrize("rows", [3, 263_000])
 @pytest.mark.parametrize("beside", ["2", "x"], ids=["numbers", "words"])
 @pytest.mark.parametrize("word", NO_NUMBERS)
 def test_a_column_with_words_in_some_rows(word, beside, rows):
     """The parser reads a long table in parts of 262,144 rows, each with a type of its own."""
     says = f"f: line {rows + 2}, column a: '{word}' is not a number"
-    text = "a,b\n" + f"1,{beside}\n" * rows + f"{word},{beside}\n" * rows
+    text = "a,b\n" + f"1,{beside}\n" * rows + f"{word},{beside}\n" * min(rows, 1000)
     with pytest.raises(InputError, match=says):
         parse_numbers(text, source="f", wanted=lambda name: name == "a" or beside == "2")
 
@@ -74,7 +74,7 @@ def test_a_column_with_words_in_some_rows(word, beside, rows):
 @pytest.mark.filterwarnings("error")
 def test_a_part_of_a_table_that_holds_nothing_but_words():
     half = 262_144
-    text = "a,b\n" + "1,2\n" * half + "TRUE,2\n" * half
+    text = "a,b\n" + "1,2\n" * half + "TRUE,2\n" * 1000
     with pytest.raises(InputError, match=f"line {half + 2}, column a: 'TRUE' is not a number"):
         parse_numbers(text, source="f")
 

@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from mobility_imu.rotations import cross_matrix
 from mobility_imu.runs import runs_of
-from mobility_imu.walker.rest_checks import GRAVITY_S, Readings, _Attitudes, _Batch
+from mobility_imu.walker.rest_checks import GRAVITY_S, Readings, _Batch
+from mobility_imu.walker.turned_sums import Attitudes, sums_in_a_loop, sums_in_arrays
 
 LENGTHS = [80, 30, 40, 47, 25, 20, 60, 1, 90]
 """Samples of rests and moves in turn; some rests are shorter than gravity is averaged over."""
@@ -73,11 +74,14 @@ def misfit(readings, before, after, turned, offset):
     return np.concatenate([speed[-1], np.rad2deg(lean), [height * back]])
 
 
+@pytest.mark.parametrize("times", [1.0, 57.3], ids=["", "another unit"])
+@pytest.mark.parametrize("sums", [sums_in_arrays, sums_in_a_loop])
 @pytest.mark.parametrize("lag", [0, 12, -100])
-def test_misfits_of_all_moves_are_those_of_each(readings, lag):
-    factors, askew = np.array([1.1, -0.8, 1.0]), np.array([0.01, -0.02, 0.03])
+def test_misfits_of_all_moves_are_those_of_each(readings, lag, sums, times):
+    factors, askew = times * np.array([1.1, -0.8, 1.0]), np.array([0.01, -0.02, 0.03])
     offset = np.array([0.1, -0.2, 0.05])
     batch = _Batch(readings)
+    batch.sums = sums
     found = batch.misfit(batch.turned(factors, lag / readings.rate_hz, askew), offset)
     pairs = list(pairwise(runs_of(readings.still)))
     assert batch.spans == [slice(a.stop - 1, b.start + 1) for a, b in pairs] and len(pairs) == 4
@@ -92,9 +96,9 @@ def test_pairs_of_complex_numbers_turn_as_rotations_do(count):
     rng = np.random.default_rng(count)
     each = [[Rotation.random(random_state=rng) for _ in range(count)] for _ in range(3)]
     x, y, z, w = np.moveaxis([[q.as_quat() for q in row] for row in each], -1, 0)
-    found = _Attitudes(w + 1j * x, y + 1j * z).running_products()
+    found = Attitudes(w + 1j * x, y + 1j * z).running_products()
     vectors = rng.standard_normal((3, count, 3))
-    applied = found.applied(vectors)
+    applied = (found.matrices() @ vectors[..., None])[..., 0]
     for row, of_row, right in zip(each, vectors, applied, strict=True):
         whole = Rotation.identity()
         for q, vector, turned in zip(row, of_row, right, strict=True):
