@@ -294,10 +294,10 @@ def _costs_of_slip(
     The heading jumps where the frame did not turn, and the arm from it to the IMU is laid another
     way. A heading that goes on did not feel the turn, as in a gap: then the way is bent.
     """
-    # Some steps apart, since the steps tell the time of the turn within one or two.
-    before, after = lift_s[k - FEWEST_BESIDE], lift_s[k + FEWEST_BESIDE - 1]
-    jump = float(np.diff(np.interp([before, after], found.time_s, found.yaw_rad))[0])
-    if abs(jump) < abs(turn_rad) / 2:
+    # Some steps apart, since the steps tell the time of the turn within one or two. The frame may
+    # turn there as well, and back what was felt: the range counts, not the ends.
+    ends = np.searchsorted(found.time_s, lift_s[[k - FEWEST_BESIDE, k + FEWEST_BESIDE - 1]])
+    if np.ptp(found.yaw_rad[ends[0] : ends[1] + 1]) < abs(turn_rad) / 2:
         return ()
     arm = float(np.hypot(*mount.translation_body_m[:2]))
     return (
