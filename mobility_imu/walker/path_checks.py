@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mobility_imu.errors import InputError
-from mobility_imu.faults import Fault, turned_back
+from mobility_imu.faults import Cost, Fault, turned_back
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
@@ -95,7 +95,7 @@ def faults_of_path(
     if not {fault.code for fault in told} & {"foot", "no rest"}:
         told += _far_steps(recording, found, usable)
     if not {fault.code for fault in told} & {"foot", "no rest", "rolls"}:
-        slipped = list(_slipped(recording, found, usable))
+        slipped = list(_slipped(recording, found, mount, usable))
         told += slipped or _aside(recording, found, mount, usable)
     return told
 
@@ -212,7 +212,7 @@ def _aside(
     """Steps that go aside or backward: the mount is turned about the vertical."""
     way = _way_of_steps(found, usable)
     middle = float(np.angle(way))
-    if np.rad2deg(abs(middle)) < ASIDE_DEG or abs(way) < LEAST_WAY_M:
+    if not _goes_aside(way):
         return
     # A mount that is turned also has the IMU elsewhere: steps that turn go astray, and mix in.
     for _ in range(ROUNDS):
@@ -230,8 +230,18 @@ def _aside(
     )  # fmt: skip
 
 
-def _slipped(recording: Recording, found: Trajectory, usable: NDArray[np.bool_]) -> Iterator[Fault]:
-    """Steps that go another way from some time on: the IMU was turned about the vertical there."""
+def _goes_aside(way: complex) -> bool:
+    """Whether a way is so far, and so far from forward, that the mount seems turned."""
+    return abs(np.rad2deg(np.angle(way))) >= ASIDE_DEG and abs(way) >= LEAST_WAY_M
+
+
+def _slipped(
+    recording: Recording, found: Trajectory, mount: WalkerMount, usable: NDArray[np.bool_]
+) -> Iterator[Fault]:
+    """Steps that go another way from some time on: the IMU was turned about the vertical there.
+
+    Where all steps together go aside, the mount is turned throughout or from some time on.
+    """
     ways, lift_s = _ways_of_steps(found, usable, straight=True)
     best = (0.0, 0.0, 0)
     for k in range(FEWEST_BESIDE, len(ways) - FEWEST_BESIDE + 1):
@@ -243,15 +253,57 @@ def _slipped(recording: Recording, found: Trajectory, usable: NDArray[np.bool_])
         best = max(best, (abs(turn) / max(float(sd), LEAST_SD_RAD), turn, k))
     times, turn, k = best
     if np.rad2deg(abs(turn)) < SLIPPED_DEG or times < SLIPPED_TIMES:
-        return
+        if not _goes_aside(_way_of_steps(found, usable)):
+            return
+        turn, k = _turned_later(ways)
+        if not k:
+            return
     when = float(lift_s[k])
-    yield fault_of(
+    fault = fault_of(
         recording, "turned", FRAME, recording.time_s >= lift_s[k - 1],
         f"steps {np.rad2deg(abs(turn)):.0f} deg further to the {'left' if turn > 0 else 'right'} "
         f"of its forward axis from {when:.1f} s on than before: was the IMU turned on the frame "
         "there? Cut the recording there, and calibrate the mount again for the later part",
         size=float(np.rad2deg(turn)), unit="deg",
     )  # fmt: skip
+    yield replace(fault, costs=_costs_of_slip(found, mount, lift_s, k, turn))
+
+
+def _turned_later(ways: NDArray[np.complex128]) -> tuple[float, int]:
+    """Turn, rad, and step from which on it is, if ways are forward before; 0 and 0 if not likely.
+
+    Held against one turn of all ways: both have one angle, and the step is one of many.
+    """
+    best = (np.inf, 0.0, 0)
+    for k in range(FEWEST_BESIDE, len(ways) - FEWEST_BESIDE + 1):
+        last = ways[k:].sum()
+        off = np.angle(np.r_[ways[:k], ways[k:] * np.conj(last)])
+        best = min(best, (float(off @ off), float(np.angle(last)), k))
+    left, turn, k = max(best[0], len(ways) * LEAST_SD_RAD**2), *best[1:]
+    off = np.angle(ways * np.conj(ways.sum()))
+    if not k or (off @ off / left - 1) * len(ways) / 2 < np.log(len(ways)):
+        return 0.0, 0
+    return turn, k
+
+
+def _costs_of_slip(
+    found: Trajectory, mount: WalkerMount, lift_s: FloatArray, k: int, turn_rad: float
+) -> tuple[Cost, ...]:
+    """What a turn of the IMU on the way costs, if its gyroscope felt it; else nothing is known.
+
+    The heading jumps where the frame did not turn, and the arm from it to the IMU is laid another
+    way. A heading that goes on did not feel the turn, as in a gap: then the way is bent.
+    """
+    # Some steps apart, since the steps tell the time of the turn within one or two. The frame may
+    # turn there as well, and back what was felt: the range counts, not the ends.
+    ends = np.searchsorted(found.time_s, lift_s[[k - FEWEST_BESIDE, k + FEWEST_BESIDE - 1]])
+    if np.ptp(found.yaw_rad[ends[0] : ends[1] + 1]) < abs(turn_rad) / 2:
+        return ()
+    arm = float(np.hypot(*mount.translation_body_m[:2]))
+    return (
+        Cost("place", float(2 * abs(np.sin(turn_rad / 2)) * arm), "m"),
+        Cost("heading", float(np.rad2deg(abs(turn_rad))), "deg"),
+    )
 
 
 def _way_of_steps(found: Trajectory, usable: NDArray[np.bool_]) -> complex:

@@ -68,9 +68,10 @@ class Trajectory(Result):
     rotation_body_to_world : (n, 3, 3) array
     stationary : (n,) bool array
     position_sd_m : (n, 3) array, m, standard deviation of the position along each axis; with
-        what wrong scales of the sensor do to lengths and headings (``scale_sd``), and the mount's
-        errors, as far as the mount states them, but not with creep or slip of the tips, which no
-        IMU sees
+        what wrong scales and axes of the sensor do to lengths, directions and headings
+        (``scale_sd``, ``axes_sd_rad``), and the mount's errors, as far as the mount states them,
+        but not with creep or slip of the tips, which no IMU sees. With sensors of the level "real"
+        errors across a corridor are 1.0 of it, along it 1.3 with the creep
     yaw_sd_rad : (n,) array, rad. On walks with turns, where ``scale_sd`` counts, errors of a
         simulated MTI_1 are 0.9 of it (with ``NavigationSettings.for_calibrated_sensor``). At the
         end of a straight corridor they are a quarter: the filter's noise is three times the
@@ -443,7 +444,7 @@ def trajectory_from_path(
     position = (place - place[first]) @ to_start.T
     attitude = to_start @ body_to_world
     sd, yaw_sd = _standard_deviations(
-        path, mount, to_start, position, attitude, settings.scale_sd, tied=closed_loop is not None
+        path, mount, to_start, position, attitude, settings, tied=closed_loop is not None
     )
     backward = _backward_fraction(position, attitude, path.still)
     if backward > 0.8:
@@ -470,7 +471,7 @@ def _standard_deviations(
     to_start: FloatArray,
     position: FloatArray,
     attitude: FloatArray,
-    scale_sd: float,
+    settings: NavigationSettings,
     *,
     tied: bool,
 ) -> tuple[FloatArray, FloatArray]:
@@ -485,8 +486,13 @@ def _standard_deviations(
     first = int(np.argmax(path.still))
     if mount.translation_sd_m is not None:
         variance += (attitude - attitude[first]) ** 2 @ mount.translation_sd_m**2
-    # The accelerometer's scale errs along the way gone, the mount's heading across it.
-    variance += (scale_sd * position) ** 2
+    # The accelerometer's scales and axes err along and across the IMU's way, the mount's heading
+    # across the frame's.
+    scale_sd = settings.scale_sd
+    variance[:, 2] += (scale_sd * position[:, 2]) ** 2
+    axes = attitude @ mount.rotation_imu_to_body
+    way = path.position_m @ to_start.T
+    variance[:, :2] += _variance_by_axes(way, axes, scale_sd, settings.axes_sd_rad, tied)
     if mount.rotation_sd_rad is not None:
         variance[:, :2] += (mount.rotation_sd_rad[2] * position[:, 1::-1]) ** 2
     up = path.rotation_imu_to_world()[:, 2]
@@ -511,10 +517,34 @@ def _led_astray(position: FloatArray, attitude: FloatArray, tied: bool) -> Float
     turned = (np.cumsum(turns) - turns / 2)[:, None]
     astray = np.zeros((len(position), 2))
     np.cumsum(turned * np.column_stack([-pieces[:, 1], pieces[:, 0]]), axis=0, out=astray[1:])
-    if tied:
-        gone = np.r_[0.0, np.cumsum(np.linalg.norm(pieces, axis=1))]
-        astray -= np.outer(gone / max(gone[-1], 1e-9), astray[-1])
-    return astray
+    return _tied(astray, pieces) if tied else astray
+
+
+def _variance_by_axes(
+    position: FloatArray, axes: FloatArray, scale_sd: float, axes_sd: float, tied: bool
+) -> FloatArray:
+    """Variance of the position by wrong scales and axes of the accelerometer, (n, 2) array, m².
+
+    Its matrix is 1 + E with nine constants, three scales and six leans. Each piece of the way is
+    gone by C E C' of itself more, where C turns the sensor's axes (``axes``) into the world's: a
+    scale draws it along the way, a lean of 0.01 to the side by 0.1 m in 10 m. No rest shows that.
+    """
+    pieces = np.diff(position[:, :2], axis=0)
+    to_world = axes[1:, :2]
+    read = np.einsum("nij,ni->nj", to_world, pieces)
+    variance, astray = np.zeros((len(position), 2)), np.zeros((len(position), 2))
+    for row in range(3):
+        for column in range(3):
+            np.cumsum(to_world[:, :, row] * read[:, column, None], axis=0, out=astray[1:])
+            off = _tied(astray, pieces) if tied else astray
+            variance += ((scale_sd if row == column else axes_sd) * off) ** 2
+    return variance
+
+
+def _tied(astray: FloatArray, pieces: FloatArray) -> FloatArray:
+    """An error of a path that is tied to its start at the end: the rest is spread along the way."""
+    gone = np.r_[0.0, np.cumsum(np.linalg.norm(pieces, axis=1))]
+    return astray - np.outer(gone / max(gone[-1], 1e-9), astray[-1])
 
 
 def _backward_fraction(

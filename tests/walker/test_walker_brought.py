@@ -14,9 +14,9 @@ from mobility_imu._compiled import HAVE_NUMBA
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.walker.fault_kinds import clean_walk
-from mobility_imu.reproduction.walker.fault_motions import up_a_ramp
+from mobility_imu.reproduction.walker.fault_motions import turned_on_the_way, up_a_ramp
 from mobility_imu.simulation import faults as inject
-from mobility_imu.simulation.levels import LEVELS, REAL_LEVEL, unit_of
+from mobility_imu.simulation.levels import LEVELS, MOUNTS, REAL_LEVEL, unit_of
 from mobility_imu.simulation.walker import CORRIDOR, REALISTIC, attach_imu, simulate_walk
 from mobility_imu.walker import (
     NavigationSettings,
@@ -335,6 +335,37 @@ def test_a_sensor_that_is_turned_after_three_steps_is_told():
     assert "further to the" in turned.sentence and not turned.flags.all()
     assert abs(turned.size) == pytest.approx(60, abs=12)
     assert abs(turned.first_s - third) < 6
+
+
+@pytest.mark.parametrize("degrees", [-15, 20, 60])
+def test_a_turn_on_the_way_that_the_gyroscope_feels_costs_the_heading_so_much(degrees):
+    """Told as a mount that is turned throughout, it seemed to cost a tenth of a degree."""
+    walk = clean()
+    motion = walk.walk.motion
+    fits = turned_on_the_way(
+        motion, MOUNTS[walk.pose], np.deg2rad(degrees), 0.5 * motion.time_s[-1]
+    )
+    recording = walk.followed(fits).recording
+    found = find_faults(recording, walk.tape, walk.mount)
+    (turned,) = [fault for fault in found if fault.code == "turned"]
+    assert "further to the" in turned.sentence and not turned.flags.all()
+    right = estimate_trajectory(walk.walk.recording, walk.tape, walk.mount)
+    wrong = estimate_trajectory(recording, walk.tape, walk.mount)
+    off = abs(wrong.yaw_rad[-1] - right.yaw_rad[-1])
+    costs = {cost.name: cost.largest for cost in turned.costs}
+    assert costs["heading"] == pytest.approx(np.rad2deg(off), abs=5)
+    apart = np.linalg.norm((wrong.position_m[-1] - right.position_m[-1])[:2])
+    assert costs["place"] == pytest.approx(apart, rel=0.3, abs=0.02)
+    assert not valid_samples(wrong, found)[-1]
+
+
+@pytest.mark.parametrize("degrees", [-8, 15])
+def test_a_mount_that_is_turned_throughout_is_not_turned_on_the_way(degrees):
+    walk = clean()
+    found = find_faults(remounted(degrees, -1.0), walk.tape, walk.mount)
+    (turned,) = [fault for fault in found if fault.code == "turned"]
+    assert turned.flags.all() and turned.repair is not None
+    assert abs(turned.size) == pytest.approx(abs(degrees), abs=3)
 
 
 def test_readings_that_come_twice_make_no_end_of_a_range():

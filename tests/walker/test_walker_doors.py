@@ -20,6 +20,7 @@ from mobility_imu.simulation.sensor import IDEAL
 from mobility_imu.walker import (
     ClosedLoop,
     GaitSettings,
+    NavigationSettings,
     StillnessSettings,
     WalkerGeometry,
     WalkerMount,
@@ -493,7 +494,8 @@ def test_uncertainty_turns_with_the_axes_of_the_start():
     place, attitude = body_position(path.position_m, path.quaternion, bare)
     none = np.zeros_like(place)
     turn = Rotation.from_euler("z", 30, degrees=True).as_matrix()
-    sd, _ = _standard_deviations(path, bare, turn, none, attitude, 0.003, tied=True)
+    settings = NavigationSettings(scale_sd=1e-6, axes_sd_rad=1e-6)
+    sd, _ = _standard_deviations(path, bare, turn, none, attitude, settings, tied=True)
     for k in range(0, len(path.still), 500):
         (x, y), xy = path.sd[k, 6:8] ** 2, path.xy_covariance_m2[k]
         expected = turn[:2, :2] @ np.array([[x, xy], [xy, y]]) @ turn[:2, :2].T

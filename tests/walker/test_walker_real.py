@@ -108,10 +108,12 @@ def test_an_offset_of_the_gyroscope_loses_no_step(offset_degps):
 
 @walks
 def test_walks_are_one_metre_to_ten_long_and_sure_of_it():
+    """Scale and axes, 1 % of the way along and across it by the settings, leave 7 cm at most."""
     for name in walk_names()[::4]:
         trajectory = walked(name)
-        assert 1 < np.linalg.norm(trajectory.position_m[-1, :2]) < 10
-        assert trajectory.horizontal_sd_m[-1] < 0.1
+        length_m = np.linalg.norm(trajectory.position_m[-1, :2])
+        assert 1 < length_m < 10
+        assert trajectory.horizontal_sd_m[-1] < np.hypot(0.07, np.sqrt(2) * 0.01 * length_m)
         assert not any("no rest for" in text for text in trajectory.warnings)
 
 
