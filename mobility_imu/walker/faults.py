@@ -40,6 +40,7 @@ from mobility_imu.walker.follow import (
     LATEST_REST_S,
     as_sentences,
     checked_options,
+    followed,
     navigate_recording,
 )
 from mobility_imu.walker.footprint import FOOTPRINT_WORDS
@@ -227,7 +228,12 @@ def find_tilt_faults(
     if any(text.startswith(FOOTPRINT_WORDS) for text in stated.warnings):
         # The sensor's usual errors may be the cause. Where they leave no mount, all is told.
         with suppress(InputError):
-            stated = with_sensor_errors(stated, path, recording, lambda wrong: path_of(wrong)[0])
+            stated = with_sensor_errors(
+                stated,
+                path,
+                recording,
+                lambda wrong: followed(wrong, smooth, settings, stillness)[0],
+            )
     readings = _readings(recording, path.time_s, path.still)
     found += gaps_in_moves(recording, path.still, filled)
     more = faults_of_readings(recording, readings, found, stillness)

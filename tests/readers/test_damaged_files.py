@@ -165,7 +165,7 @@ def test_reading_in_threads_leaves_the_processs_warnings_alone(tmp_path):
     path = write(tmp_path / "r.csv", RECORDING)
     before = list(warnings.filters)
     readers = [
-        threading.Thread(target=lambda: [read_recording(path) for _ in range(50)]) for _ in range(8)
+        threading.Thread(target=lambda: [read_recording(path) for _ in range(15)]) for _ in range(8)
     ]
     for reader in readers:
         reader.start()
