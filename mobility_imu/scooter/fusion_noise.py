@@ -8,11 +8,22 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import ndimage
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.scooter.fusion_settings import FusionSettings
 
-__all__ = ["acceleration_noise", "bounded_and_wandering", "smallest_step", "white_and_coloured"]
+__all__ = [
+    "acceleration_noise",
+    "added_variance",
+    "blows",
+    "bounded_and_wandering",
+    "check_largest",
+    "smallest_step",
+    "smoothed_beside",
+    "white_and_coloured",
+]
 
 SMALLEST_NOISE_MPS2 = 1e-3
 """Noise that :func:`acceleration_noise` finds at least; no accelerometer of a scooter has less."""
@@ -65,6 +76,88 @@ def acceleration_noise(lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike) -> f
         row = int(np.argmin(np.isfinite(apart)))
         raise InputError(f"accelerations at row {row}: too large to have a length")
     return max(float(_spread(apart)), smallest_step(lever, body))
+
+
+def blows(residuals: FloatArray, limit: float) -> FloatArray:
+    """What the filter leaves out of residuals that are too large to be noise.
+
+    Parameters
+    ----------
+    residuals : (n, 3) array
+    limit : root mean square of three axes beyond which a residual counts less, as in the filter
+
+    Returns
+    -------
+    (n, 3) array, 0 below the limit
+    """
+    size = np.sqrt(np.mean(residuals**2, axis=1, keepdims=True))
+    return np.asarray(residuals * (1 - (limit / np.maximum(size, limit)) ** 2))
+
+
+def smoothed_beside(
+    readings: FloatArray, expected: FloatArray, left_out: FloatArray, width: float
+) -> FloatArray:
+    """Readings of which only what is not expected is smoothed, so that fast motion stays.
+
+    White noise keeps its density: what a smoothed sample counts for is that of a raw one.
+
+    Parameters
+    ----------
+    readings, expected : (n, 3) arrays
+    left_out : (n, 3) array, blows, which smoothing would spread over their neighbours
+    width : of the Gaussian, in samples
+
+    Returns
+    -------
+    (n, 3) array, contiguous
+    """
+    apart = ndimage.gaussian_filter1d(readings - expected - left_out, width, axis=0)
+    return np.ascontiguousarray(expected + apart)
+
+
+def added_variance(
+    angles: FloatArray, settings: FusionSettings, rate_hz: float, *, past: bool
+) -> FloatArray:
+    """What flexing and the clock add to the variance of both angles.
+
+    Parameters
+    ----------
+    angles : (n, 2) array, rad
+    settings : FusionSettings, complete
+    rate_hz : Hz
+    past : whether only the past is known
+
+    Returns
+    -------
+    (n, 2) array, rad²
+    """
+    assert settings.flexing_sd_rad is not None and settings.clock_sd_s is not None
+    if not past and len(angles) > 1:
+        rates = np.gradient(angles, 1 / rate_hz, axis=0)
+    else:
+        rates = np.diff(angles, axis=0, prepend=angles[:1]) * rate_hz
+    return np.asarray(settings.flexing_sd_rad**2 + (settings.clock_sd_s * rates) ** 2)
+
+
+def check_largest(values: FloatArray, name: str, limit: float) -> None:
+    """Check that nothing is beyond any sensor and any body; NaN passes.
+
+    Parameters
+    ----------
+    values : array
+    name : of it, for the message
+    limit : largest absolute value
+
+    Raises
+    ------
+    InputError
+        If a value is larger.
+    """
+    largest = float(np.abs(values).max(initial=0.0))
+    if largest > limit:
+        raise InputError(
+            f"{name}: reaches {largest:.4g}, expected {limit:g} at most: is it in another unit?"
+        )
 
 
 def smallest_step(lever_acc: FloatArray, body_acc: FloatArray) -> float:
