@@ -391,13 +391,13 @@ def _as_smooth_as_spins(
 ) -> Inputs:
     """Inputs whose accelerations have the spins' Gaussian: else a lever arm explains too little."""
     assert settings.acc_sd_mps2 is not None
-    lever = smoothed_beside(
-        inputs.lever_acc,
-        lever_acceleration(inputs.body_acc, seen.angles[:, 0], seen.angles[:, 1], geometry),
-        blows(seen.residuals, settings.huber * settings.acc_sd_mps2),
-        SPIN_SMOOTHING_S * rate_hz,
-    )
-    return inputs._replace(lever_acc=lever)
+    at, width = (seen.angles[:, 0], seen.angles[:, 1]), SPIN_SMOOTHING_S * rate_hz
+    left_out = blows(seen.residuals, settings.huber * settings.acc_sd_mps2)
+    expected = lever_acceleration(inputs.body_acc, *at, geometry)
+    lever = smoothed_beside(inputs.lever_acc, expected, left_out, width)
+    body = np.ascontiguousarray(ndimage.gaussian_filter1d(inputs.body_acc, width, axis=0))
+    lever += lever_acceleration(body - inputs.body_acc, *at, geometry)
+    return inputs._replace(lever_acc=lever, body_acc=body)
 
 
 def _model(settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float) -> Model:
