@@ -42,11 +42,11 @@ from mobility_imu.scooter.fusion_filter import (
 from mobility_imu.scooter.fusion_noise import (
     acceleration_noise,
     added_variance,
-    blows,
     bounded_and_wandering,
     check_largest,
     smallest_step,
-    smoothed_beside,
+    smoothed,
+    trust,
     white_and_coloured,
 )
 from mobility_imu.scooter.fusion_settings import (
@@ -392,12 +392,13 @@ def _as_smooth_as_spins(
     """Inputs whose accelerations have the spins' Gaussian: else a lever arm explains too little."""
     assert settings.acc_sd_mps2 is not None
     at, width = (seen.angles[:, 0], seen.angles[:, 1]), SPIN_SMOOTHING_S * rate_hz
-    left_out = blows(seen.residuals, settings.huber * settings.acc_sd_mps2)
-    expected = lever_acceleration(inputs.body_acc, *at, geometry)
-    lever = smoothed_beside(inputs.lever_acc, expected, left_out, width)
-    body = np.ascontiguousarray(ndimage.gaussian_filter1d(inputs.body_acc, width, axis=0))
-    lever += lever_acceleration(body - inputs.body_acc, *at, geometry)
-    return inputs._replace(lever_acc=lever, body_acc=body)
+    weights = trust(seen.residuals, settings.huber * settings.acc_sd_mps2)
+    # The body's readings are smoothed, too: its errors are multiples of them.
+    body = smoothed(inputs.body_acc, weights, width)
+    apart = inputs.lever_acc - lever_acceleration(inputs.body_acc, *at, geometry)
+    apart = smoothed(apart - seen.residuals * (1 - weights), np.ones_like(weights), width)
+    lever = lever_acceleration(body, *at, geometry) + apart
+    return inputs._replace(lever_acc=np.ascontiguousarray(lever), body_acc=body)
 
 
 def _model(settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float) -> Model:

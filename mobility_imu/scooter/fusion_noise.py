@@ -17,11 +17,11 @@ from mobility_imu.scooter.fusion_settings import FusionSettings
 __all__ = [
     "acceleration_noise",
     "added_variance",
-    "blows",
     "bounded_and_wandering",
     "check_largest",
     "smallest_step",
-    "smoothed_beside",
+    "smoothed",
+    "trust",
     "white_and_coloured",
 ]
 
@@ -78,41 +78,39 @@ def acceleration_noise(lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike) -> f
     return max(float(_spread(apart)), smallest_step(lever, body))
 
 
-def blows(residuals: FloatArray, limit: float) -> FloatArray:
-    """What the filter leaves out of residuals that are too large to be noise.
+def trust(residuals: FloatArray, limit: float) -> FloatArray:
+    """Weights of samples, less than 1 where residuals are too large to be noise, as in the filter.
 
     Parameters
     ----------
     residuals : (n, 3) array
-    limit : root mean square of three axes beyond which a residual counts less, as in the filter
+    limit : root mean square of three axes beyond which a residual counts less
 
     Returns
     -------
-    (n, 3) array, 0 below the limit
+    (n, 1) array
     """
     size = np.sqrt(np.mean(residuals**2, axis=1, keepdims=True))
-    return np.asarray(residuals * (1 - (limit / np.maximum(size, limit)) ** 2))
+    return np.asarray((limit / np.maximum(size, limit)) ** 2)
 
 
-def smoothed_beside(
-    readings: FloatArray, expected: FloatArray, left_out: FloatArray, width: float
-) -> FloatArray:
-    """Readings of which only what is not expected is smoothed, so that fast motion stays.
+def smoothed(values: FloatArray, weights: FloatArray, width: float) -> FloatArray:
+    """Weighted means by a Gaussian, so that a blow is not spread over its neighbours.
 
     White noise keeps its density: what a smoothed sample counts for is that of a raw one.
 
     Parameters
     ----------
-    readings, expected : (n, 3) arrays
-    left_out : (n, 3) array, blows, which smoothing would spread over their neighbours
+    values : (n, 3) array
+    weights : (n, 1) array, positive
     width : of the Gaussian, in samples
 
     Returns
     -------
     (n, 3) array, contiguous
     """
-    apart = ndimage.gaussian_filter1d(readings - expected - left_out, width, axis=0)
-    return np.ascontiguousarray(expected + apart)
+    both = ndimage.gaussian_filter1d(np.hstack([weights * values, weights]), width, axis=0)
+    return np.ascontiguousarray(both[:, :3] / both[:, 3:])
 
 
 def added_variance(
