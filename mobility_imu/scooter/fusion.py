@@ -41,8 +41,12 @@ from mobility_imu.scooter.fusion_filter import (
 )
 from mobility_imu.scooter.fusion_noise import (
     acceleration_noise,
+    added_variance,
     bounded_and_wandering,
+    check_largest,
     smallest_step,
+    smoothed,
+    trust,
     white_and_coloured,
 )
 from mobility_imu.scooter.fusion_settings import (
@@ -52,7 +56,7 @@ from mobility_imu.scooter.fusion_settings import (
     SMALLEST_RATE_NOISE,
     FusionSettings,
 )
-from mobility_imu.scooter.geometry import ScooterGeometry
+from mobility_imu.scooter.geometry import ScooterGeometry, lever_acceleration
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,7 +71,7 @@ __all__ = [
 ]
 
 SPIN_SMOOTHING_S = 0.02
-"""Width of the Gaussian over which the rates' derivatives are taken."""
+"""Width of the Gaussian over which the rates' derivatives are taken, and the accelerations."""
 LARGEST_VALID_SD_RAD = float(np.deg2rad(20.0))
 """Standard deviation of the steering from which a sample is not valid."""
 SLOWEST_RATE_HZ = 10.0
@@ -179,9 +183,9 @@ def move_specific_force(
     acc = as_vectors(acc_mps2, "acc_mps2", ndim=2)
     gyr = as_vectors(gyr_radps, "gyr_radps", length=len(acc))
     arm = as_vectors(arm_m, "arm_m", ndim=1)
-    _check_largest(acc, "acc_mps2", LARGEST_ACC_MPS2)
-    _check_largest(gyr, "gyr_radps", LARGEST_RATE_RADPS)
-    _check_largest(arm, "arm_m", LONGEST_ARM_M)
+    check_largest(acc, "acc_mps2", LARGEST_ACC_MPS2)
+    check_largest(gyr, "gyr_radps", LARGEST_RATE_RADPS)
+    check_largest(arm, "arm_m", LONGEST_ARM_M)
     rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
     smoothing = as_number(smoothing_s, "smoothing_s")
     width = smoothing * rate_hz
@@ -245,16 +249,16 @@ def fuse_angles(
     )
     inputs = _inputs(readings, rate_hz, smooth)
     run = _loops(inputs, geometry, rate_hz)
-    if not settings.complete:
+    if smooth or not settings.complete:
         first = _first_guess(settings, readings, rate_hz)
         seen = _filtered(run, inputs, first, geometry, rate_hz)
         settings = _measured(settings, first, seen, inputs, geometry, rate_hz)
     if smooth:
+        inputs = _as_smooth_as_spins(inputs, seen, settings, geometry, rate_hz)
         angles, sd, constants = _smoothed(run, inputs, settings, geometry, rate_hz)
     else:
-        last = _filtered(run, inputs, settings, geometry, rate_hz)
-        angles, sd, constants = last.angles, last.sd, last.constants
-    sd = np.sqrt(sd**2 + _added_variance(angles, settings, rate_hz, smooth))
+        angles, sd, _, constants = _filtered(run, inputs, settings, geometry, rate_hz)
+    sd = np.sqrt(sd**2 + added_variance(angles, settings, rate_hz, past=not smooth))
     valid = np.isfinite(angles).all(axis=1) & (sd[:, 0] < LARGEST_VALID_SD_RAD)
     said = unlikely_constant(constants, settings)
     return FusedAngles(angles[:, 0], angles[:, 1], sd[:, 0], sd[:, 1], valid, settings, said)
@@ -382,16 +386,19 @@ def locked_rate(
     return np.asarray(lever[:, 1] * np.cos(tip) + lever[:, 2] * np.sin(tip) - ahead)
 
 
-def _added_variance(
-    angles: FloatArray, settings: FusionSettings, rate_hz: float, smooth: bool
-) -> FloatArray:
-    """What flexing and the clock add to the variance of both angles, rad²."""
-    assert settings.flexing_sd_rad is not None and settings.clock_sd_s is not None
-    if smooth and len(angles) > 1:
-        rates = np.gradient(angles, 1 / rate_hz, axis=0)
-    else:
-        rates = np.diff(angles, axis=0, prepend=angles[:1]) * rate_hz
-    return np.asarray(settings.flexing_sd_rad**2 + (settings.clock_sd_s * rates) ** 2)
+def _as_smooth_as_spins(
+    inputs: Inputs, seen: _Seen, settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float
+) -> Inputs:
+    """Inputs whose accelerations have the spins' Gaussian: else a lever arm explains too little."""
+    assert settings.acc_sd_mps2 is not None
+    at, width = (seen.angles[:, 0], seen.angles[:, 1]), SPIN_SMOOTHING_S * rate_hz
+    weights = trust(seen.residuals, settings.huber * settings.acc_sd_mps2)
+    # The body's readings are smoothed, too: its errors are multiples of them.
+    body = smoothed(inputs.body_acc, weights, width)
+    apart = inputs.lever_acc - lever_acceleration(inputs.body_acc, *at, geometry)
+    apart = smoothed(apart - seen.residuals * (1 - weights), np.ones_like(weights), width)
+    lever = lever_acceleration(body, *at, geometry) + apart
+    return inputs._replace(lever_acc=np.ascontiguousarray(lever), body_acc=body)
 
 
 def _model(settings: FusionSettings, geometry: ScooterGeometry, rate_hz: float) -> Model:
@@ -489,7 +496,7 @@ def _checked(
     ):
         # A copy: a read-only array would be another type to the compiler.
         array = np.array(as_vectors(values, name, ndim=2, finite=True), order="C")
-        _check_largest(array, name, limit)
+        check_largest(array, name, limit)
         arrays.append(array)
     readings = _Readings(*arrays)
     shapes = {array.shape for array in readings}
@@ -500,15 +507,6 @@ def _checked(
         )
     check_gravity(readings.lever_acc, readings.body_acc, geometry)
     return readings, rate_hz
-
-
-def _check_largest(values: FloatArray, name: str, limit: float) -> None:
-    """Check that nothing is beyond any sensor and any body; NaN passes."""
-    largest = float(np.abs(values).max(initial=0.0))
-    if largest > limit:
-        raise InputError(
-            f"{name}: reaches {largest:.4g}, expected {limit:g} at most: is it in another unit?"
-        )
 
 
 def _first_angles(

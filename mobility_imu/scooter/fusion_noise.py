@@ -8,11 +8,22 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import ndimage
 
 from mobility_imu.errors import InputError
 from mobility_imu.frames import FloatArray, as_vectors
+from mobility_imu.scooter.fusion_settings import FusionSettings
 
-__all__ = ["acceleration_noise", "bounded_and_wandering", "smallest_step", "white_and_coloured"]
+__all__ = [
+    "acceleration_noise",
+    "added_variance",
+    "bounded_and_wandering",
+    "check_largest",
+    "smallest_step",
+    "smoothed",
+    "trust",
+    "white_and_coloured",
+]
 
 SMALLEST_NOISE_MPS2 = 1e-3
 """Noise that :func:`acceleration_noise` finds at least; no accelerometer of a scooter has less."""
@@ -65,6 +76,86 @@ def acceleration_noise(lever_acc_mps2: ArrayLike, body_acc_mps2: ArrayLike) -> f
         row = int(np.argmin(np.isfinite(apart)))
         raise InputError(f"accelerations at row {row}: too large to have a length")
     return max(float(_spread(apart)), smallest_step(lever, body))
+
+
+def trust(residuals: FloatArray, limit: float) -> FloatArray:
+    """Weights of samples, less than 1 where residuals are too large to be noise, as in the filter.
+
+    Parameters
+    ----------
+    residuals : (n, 3) array
+    limit : root mean square of three axes beyond which a residual counts less
+
+    Returns
+    -------
+    (n, 1) array
+    """
+    size = np.sqrt(np.mean(residuals**2, axis=1, keepdims=True))
+    return np.asarray((limit / np.maximum(size, limit)) ** 2)
+
+
+def smoothed(values: FloatArray, weights: FloatArray, width: float) -> FloatArray:
+    """Weighted means by a Gaussian, so that a blow is not spread over its neighbours.
+
+    White noise keeps its density: what a smoothed sample counts for is that of a raw one.
+
+    Parameters
+    ----------
+    values : (n, 3) array
+    weights : (n, 1) array, positive
+    width : of the Gaussian, in samples
+
+    Returns
+    -------
+    (n, 3) array, contiguous
+    """
+    both = ndimage.gaussian_filter1d(np.hstack([weights * values, weights]), width, axis=0)
+    return np.ascontiguousarray(both[:, :3] / both[:, 3:])
+
+
+def added_variance(
+    angles: FloatArray, settings: FusionSettings, rate_hz: float, *, past: bool
+) -> FloatArray:
+    """What flexing and the clock add to the variance of both angles.
+
+    Parameters
+    ----------
+    angles : (n, 2) array, rad
+    settings : FusionSettings, complete
+    rate_hz : Hz
+    past : whether only the past is known
+
+    Returns
+    -------
+    (n, 2) array, rad²
+    """
+    assert settings.flexing_sd_rad is not None and settings.clock_sd_s is not None
+    if not past and len(angles) > 1:
+        rates = np.gradient(angles, 1 / rate_hz, axis=0)
+    else:
+        rates = np.diff(angles, axis=0, prepend=angles[:1]) * rate_hz
+    return np.asarray(settings.flexing_sd_rad**2 + (settings.clock_sd_s * rates) ** 2)
+
+
+def check_largest(values: FloatArray, name: str, limit: float) -> None:
+    """Check that nothing is beyond any sensor and any body; NaN passes.
+
+    Parameters
+    ----------
+    values : array
+    name : of it, for the message
+    limit : largest absolute value
+
+    Raises
+    ------
+    InputError
+        If a value is larger.
+    """
+    largest = float(np.abs(values).max(initial=0.0))
+    if largest > limit:
+        raise InputError(
+            f"{name}: reaches {largest:.4g}, expected {limit:g} at most: is it in another unit?"
+        )
 
 
 def smallest_step(lever_acc: FloatArray, body_acc: FloatArray) -> float:

@@ -31,6 +31,7 @@ from mobility_imu.scooter.ride import usable_samples
 from mobility_imu.simulation.scooter import (
     COURSES,
     PARKED_POSES_RAD,
+    Course,
     draw_driver,
     draw_scooter,
     simulate_parked,
@@ -442,39 +443,69 @@ def rms_deg(ride, mount, **sizes):
 
 
 def test_a_filter_that_went_astray_is_told():
-    """Sensors as bad as real ones, on paving: steering is off by 90 deg, and 11 are stated."""
+    """Sensors as bad as real ones, on paving: steering is off by 50 deg, and 12 are stated.
+
+    Of sixty such rides, seeds 0 to 29 on paving and on a straight course, this one goes astray.
+    """
     for course, astray in (("tactile", True), ("curves", False)):
-        ride, mount = calibrated_ride(3, course, REAL)
+        ride, mount = calibrated_ride(13, course, REAL)
         settings = RideSettings(method="fusion")
         found = estimate_ride(ride.recording, SUZUKI_ET4D, mount, settings)
         error = np.rad2deg(np.median(np.abs(found.steering_rad - ride.steering_rad)))
         told = any("it went astray" in text for text in found.warnings)
         assert (error > 45) == astray == told
-        assert (found.valid.mean() < 0.5) == astray
+        assert (found.valid.mean() < 0.8) == astray
 
 
 def test_why_the_filter_went_astray():
     """The guessed disturbance: half of all shaking, as if it lasted ten seconds.
 
     Gravity counts little beside it, and shaking that stays in the slopes pulls without resistance.
-    With a disturbance of one per cent of gravity the same ride is right. Neither the weight of
-    outliers nor the constants are the cause.
+    With a disturbance of one per cent of gravity the same ride is right. Blows that count in full
+    make it better, not right; the constants are not the cause.
     """
-    ride, mount = calibrated_ride(3, "tactile", REAL)
+    ride, mount = calibrated_ride(13, "tactile", REAL)
     assert rms_deg(ride, mount, disturbance_sd_mps2=0.1)[0] < 5
-    for same in ({"huber": 1e6}, {"gyr_scale_sd": 1e-6, "axes_apart_sd_rad": 1e-6}):
-        assert rms_deg(ride, mount, **same)[0] > 80
+    assert 10 < rms_deg(ride, mount, huber=1e6)[0] < 20
+    assert rms_deg(ride, mount, gyr_scale_sd=1e-6, axes_apart_sd_rad=1e-6)[0] > 45
     constants = ("acc_offset_sd_mps2", "acc_scale_sd", "misalignment_sd_rad")
-    assert rms_deg(ride, mount, **dict.fromkeys(constants, 1e-6))[0] > 80
-    assert rms_deg(ride, mount, lever_arm_sd_m=1e-6)[0] > 80
+    assert rms_deg(ride, mount, **dict.fromkeys(constants, 1e-6))[0] > 45
+    assert rms_deg(ride, mount, lever_arm_sd_m=1e-6)[0] > 45
 
 
-def test_why_the_throttle_is_off_on_paving(monkeypatch):
-    """The rates' derivatives are smoothed, the accelerations are not, and paving shakes at 19 Hz.
+def test_accelerations_are_smoothed_as_the_rates_are(monkeypatch):
+    """Paving shakes at 19 Hz, where the rates' smoothed derivatives keep a seventeenth.
 
-    What the smoothed derivative does not explain stays in the residual, and pulls.
+    Raw accelerations would keep all of what the lever arms make of it, and pull the throttle.
     """
     ride, mount = calibrated_ride(0, "tactile", LPMS_CU2)
-    assert rms_deg(ride, mount)[1] > 5
-    monkeypatch.setattr(fusion, "SPIN_SMOOTHING_S", 0.01)
     assert rms_deg(ride, mount)[1] < 3
+    monkeypatch.setattr(fusion, "_as_smooth_as_spins", lambda inputs, *_: inputs)
+    assert rms_deg(ride, mount)[1] > 5
+
+
+@pytest.mark.parametrize(
+    ("seeds", "rounds", "most"),
+    [
+        ((900570,), 6, 2.0**2),
+        pytest.param((900570, 901000, 901001, 901005), 20, 9.49 / 4, marks=pytest.mark.slow),
+    ],
+)
+def test_sd_of_long_rides(seeds, rounds, most):
+    """Mean square of error by sd: the error is one constant of a ride, so these are few draws.
+
+    The limits are those below which 95 of 100 draws lie: two sd of one ride, chi-squared of four.
+    With raw accelerations the first ride has 2.9 sd, and 4.3 of twenty rounds.
+    """
+    ratios = []
+    for seed in seeds:
+        unit, driver = draw_scooter(seed), draw_driver(seed)
+        turns = [Rotation.from_rotvec(tilt).as_matrix() for tilt in unit.mountings.values()]
+        mount = ScooterMount(*turns, np.full(6, np.deg2rad(0.5)))
+        course = Course("rounds", COURSES["curves"].segments * rounds)
+        ride = simulate_ride(course, seed=seed, unit=unit, driver=driver)
+        found = estimate_ride(ride.recording, SUZUKI_ET4D, mount, RideSettings(method="fusion"))
+        assert not found.warnings
+        error = found.steering_rad - ride.steering_rad
+        ratios.append(np.mean((error / found.steering_sd_rad) ** 2))
+    assert np.mean(ratios) < most
