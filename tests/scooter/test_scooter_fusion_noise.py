@@ -10,10 +10,14 @@ from mobility_imu.scooter.fusion_noise import (
     SMALLEST_NOISE_MPS2,
     TURNS_AFTER_S,
     acceleration_noise,
+    added_variance,
     bounded_and_wandering,
     smallest_step,
+    smoothed,
+    trust,
     white_and_coloured,
 )
+from mobility_imu.scooter.fusion_settings import FusionSettings
 
 MAD = 1.4826
 """Standard deviation of a Gaussian by its median absolute deviation."""
@@ -84,3 +88,37 @@ def test_an_angle_that_comes_and_goes_is_bounded():
     assert density == 0 and found == pytest.approx(0.03, rel=5e-3)
     assert bounded_and_wandering(np.ones(49), 10.0) == (0.0, 0.0)
     assert bounded_and_wandering(np.arange(50.0), 0.001) == (0.0, 0.0)
+
+
+def test_a_residual_counts_less_by_the_square_of_its_size():
+    """Of all axes together: the root mean square of 3, 0, 0 is 3 by the root of 3."""
+    rows = np.array([[0.0, 0, 0], [1, -1, 1], [2, 2, -2], [0, 3 * 3**0.5, 0]])
+    assert_allclose(trust(rows, 1.0)[:, 0], [1, 1, 1 / 4, 1 / 9])
+
+
+def test_what_counts_little_is_not_spread_over_its_neighbours():
+    values = np.tile([1.0, -2.0, 9.8], (101, 1))
+    values[50] += 20.0
+    weights = np.ones((101, 1))
+    assert smoothed(values, weights, 2.0)[48, 0] > 2
+    weights[50] = 1e-6
+    assert_allclose(smoothed(values, weights, 2.0), np.tile([1.0, -2.0, 9.8], (101, 1)), atol=1e-5)
+
+
+def test_smoothing_keeps_the_density_of_white_noise():
+    """Sums over many samples have the variance of raw ones; single samples have a fifth."""
+    noise = np.random.default_rng(1).normal(0, 1, (20_000, 3))
+    soft = smoothed(noise, np.ones((20_000, 1)), 2.0)
+    sums = soft.reshape(200, 100, 3).sum(axis=1)
+    assert np.var(sums) == pytest.approx(100, rel=0.15)
+    # The square of a Gaussian is one that is narrower by the root of 2: 1 / (2 width sqrt(pi)).
+    assert np.var(soft) == pytest.approx(1 / (4 * np.pi**0.5), rel=0.05)
+
+
+def test_flexing_and_the_clock_add_to_the_variance():
+    settings = FusionSettings(flexing_sd_rad=0.02, clock_sd_s=0.01)
+    angles = np.outer(np.arange(50) / 100, [0.0, 3.0])
+    assert_allclose(added_variance(angles, settings, 100.0, past=False)[:, 0], 0.02**2)
+    assert_allclose(added_variance(angles, settings, 100.0, past=False)[:, 1], 0.02**2 + 0.03**2)
+    before = added_variance(angles, settings, 100.0, past=True)[:, 1]
+    assert_allclose(before, [0.02**2, *[0.02**2 + 0.03**2] * 49])
