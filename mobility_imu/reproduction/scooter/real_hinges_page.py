@@ -71,7 +71,11 @@ UNSMOOTHED_DEG = {
     "trial2_rigid": (2.58, 3.81), "trial2_foam": (8.33, 8.59),
     "roll_slow": (1.54, 1.98), "roll_medium": (2.71, 1.81), "roll_fast": (6.62, 3.32),
 }  # fmt: skip
-"""Errors of steering and throttle by the fusion after, its accelerations not smoothed."""
+"""Errors in deg, steering and throttle, by the fusion after, its accelerations not smoothed."""
+ROLL_FAST_GRAVITY_MPS2 = 8.10
+"""Gravity that the lever's accelerometer reads in ``roll_fast``, by the alarm on its scale."""
+ROLL_FAST_SCALE_PERCENT = (2.8, 0.8)
+"""Errors of scale of two axes of that sensor, by a fit to gravity at the encoder's angles."""
 QMT_FOAM_STEERING_DEG = (4.4, 4.6)
 """Root mean square error of the peer's steering on foam, qmt 0.2.4 by ``make bench``."""
 QMT_BOTH_DEG = {
