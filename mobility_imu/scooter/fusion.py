@@ -216,8 +216,9 @@ def fuse_angles(
     acceleration; beside it the constants of :class:`FusionSettings`, which it learns as far as the
     recording shows them, and whose uncertainty stays in the angles' as far as it does not. A first
     pass finds the sizes that the settings leave to the recording, and the shocks. Before the second
-    the accelerations are smoothed as the rates' derivatives are, without the shocks. It starts from
-    the median of the first half second: the scooter should be still there, or steered slowly.
+    the accelerations are smoothed as the rates' derivatives are, without the shocks. The filter
+    starts from the median of the first half second: the scooter should be still there, or steered
+    slowly.
 
     Parameters
     ----------

@@ -292,12 +292,13 @@ def _costs_of_slip(
     """What a turn of the IMU on the way costs, if its gyroscope felt it; else nothing is known.
 
     The heading jumps where the frame did not turn, and the arm from it to the IMU is laid another
-    way. A heading that goes on did not feel the turn, as in a gap: then the way is bent.
+    way. A heading that goes on did not feel the turn, as in a gap: then the way is bent. At a
+    corner, where the heading turns by more, nobody can tell.
     """
-    # Some steps apart, since the steps tell the time of the turn within one or two. The frame may
-    # turn there as well, and back what was felt: the range counts, not the ends.
+    # Some steps apart, since the steps tell the time of the turn within one or two.
     ends = np.searchsorted(found.time_s, lift_s[[k - FEWEST_BESIDE, k + FEWEST_BESIDE - 1]])
-    if np.ptp(found.yaw_rad[ends[0] : ends[1] + 1]) < abs(turn_rad) / 2:
+    jump = np.ptp(found.yaw_rad[ends[0] : ends[1] + 1])
+    if not abs(turn_rad) / 2 <= jump <= 1.5 * abs(turn_rad):
         return ()
     arm = float(np.hypot(*mount.translation_body_m[:2]))
     return (

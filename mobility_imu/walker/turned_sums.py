@@ -20,7 +20,7 @@ TINY = 1e-300
 """A turn of nothing is divided by it instead of by zero."""
 SERIES = 1e-3
 """Square of a half angle, up to which what the series of sine and cosine leave out is rounding."""
-PLAIN_S = 2e-5
+PLAIN_S = 5e-5
 """About the time that a fit by the arrays takes for each sample, s."""
 
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
@@ -96,15 +96,13 @@ class Attitudes(NamedTuple):
             whole[:, 1::2], whole[:, 2::2] = of_pairs, of_singles
         return result
 
-    def matrices(self) -> FloatArray:
-        """The same turns as matrices (m, n, 3, 3)."""
+    def rows(self, out: FloatArray) -> None:
+        """The nine numbers of the same turns as matrices, row by row, in ``out`` (m, 9, n)."""
         w, x, y, z = self.first.real, self.first.imag, self.second.real, self.second.imag
-        result = np.empty((*w.shape, 3, 3))
         for i, j, one, two, three in ((0, 1, x, y, z), (1, 2, y, z, x), (2, 0, z, x, y)):
-            result[..., i, i] = 1 - 2 * (two * two + three * three)
+            out[:, 4 * i] = 1 - 2 * (two * two + three * three)
             product, turn = one * two, w * three
-            result[..., i, j], result[..., j, i] = 2 * (product - turn), 2 * (product + turn)
-        return result
+            out[:, 3 * i + j], out[:, 3 * j + i] = 2 * (product - turn), 2 * (product + turn)
 
 
 def quickest_sums(moved: Moved) -> Sums:
@@ -162,11 +160,15 @@ def sums_in_arrays(moved: Moved, late: int, mixing: FloatArray) -> TurnedSums:
     first, second = np.ones(shape, complex), np.zeros(shape, complex)
     first[:, 1:] = np.cos(half) + 1j * (size * x)
     second[:, 1:] = size * (y + 1j * z)
-    turns = Attitudes(first, second).running_products().matrices()
-    # The rows of all matrices beside each other: numpy multiplies few large matrices fastest.
-    felt = sum(turns[..., axis] * force[..., axis, None] for axis in range(3))
-    both = weights @ np.concatenate([turns.reshape(*shape, 9), felt], axis=2)
-    return TurnedSums(both[..., 9:], both[..., :9].reshape(*both.shape[:2], 3, 3), turns[:, -1])
+    # Nine numbers of the turn and three of the turned force, each side by side for all samples.
+    rows = np.empty((shape[0], 12, shape[1]))
+    Attitudes(first, second).running_products().rows(rows[:, :9])
+    along = force.transpose(2, 0, 1)
+    for i in range(3):
+        rows[:, 9 + i] = sum(rows[:, 3 * i + axis] * along[axis] for axis in range(3))
+    both = weights @ rows.swapaxes(1, 2)
+    turns = both[..., :9].reshape(*both.shape[:2], 3, 3)
+    return TurnedSums(both[..., 9:], turns, rows[:, :9, -1].reshape(-1, 3, 3))
 
 
 @compiled(fastmath={"contract"}, error_model="numpy")

@@ -98,7 +98,10 @@ def test_pairs_of_complex_numbers_turn_as_rotations_do(count):
     x, y, z, w = np.moveaxis([[q.as_quat() for q in row] for row in each], -1, 0)
     found = Attitudes(w + 1j * x, y + 1j * z).running_products()
     vectors = rng.standard_normal((3, count, 3))
-    applied = (found.matrices() @ vectors[..., None])[..., 0]
+    rows = np.empty((3, 9, count))
+    found.rows(rows)
+    matrices = np.moveaxis(rows, 1, 2).reshape(3, count, 3, 3)
+    applied = (matrices @ vectors[..., None])[..., 0]
     for row, of_row, right in zip(each, vectors, applied, strict=True):
         whole = Rotation.identity()
         for q, vector, turned in zip(row, of_row, right, strict=True):

@@ -451,6 +451,30 @@ def test_wrong_axes_and_scales_of_the_accelerometer_move_the_path_as_stated(cour
     assert np.allclose(found[rests], expected[rests], rtol=0.08, atol=1e-4)
 
 
+def test_wrong_axes_in_a_closed_loop_move_the_path_as_stated():
+    """A path that is tied at its end is moved between, by each of the six leans; to 20 %."""
+    mount, loop, small = pose_mount("2"), ClosedLoop(), {"scale_sd": 1e-6, "axes_sd_rad": 1e-6}
+    course = (Leg(1.0, np.pi / 2),) * 4
+    run = attach_imu(simulate_walk(course, seed=3), mount, IDEAL, seed=1, unit_seed=1)
+    stated, none = (
+        estimate_trajectory(
+            run.recording, None, mount, NavigationSettings(**small | each), closed_loop=loop
+        )
+        for each in ({"axes_sd_rad": 0.01}, {})
+    )
+    readings = wrong_readings(run.recording, 0.0, 1e-9, 0.001)
+    moved = [
+        estimate_trajectory(wrong, None, mount, closed_loop=loop).position_m - none.position_m
+        for (_, kind, _), wrong in zip(KINDS_OF_ERROR, readings, strict=True)
+        if kind == "acc"
+    ]
+    found = np.sqrt(stated.position_sd_m**2 - none.position_sd_m**2)[:, :2]
+    expected = 10 * np.sqrt(np.sum(np.square(moved), axis=0))[:, :2]
+    middle = np.flatnonzero(stated.stationary)[200:-200]
+    assert expected.max() > 0.008 and found[-1].max() < 1e-4
+    assert np.allclose(found[middle], expected[middle], rtol=0.2, atol=1e-3)
+
+
 @pytest.mark.parametrize(
     ("walks", "length_m"), [(10, 3.0), pytest.param(30, 10.0, marks=pytest.mark.slow)]
 )
