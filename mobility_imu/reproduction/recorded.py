@@ -32,6 +32,8 @@ class Study(NamedTuple):
     seed : what the random numbers start from, in words
     inputs : names of the files that it reads, to be checked by their sums
     reads_recordings : whether the code of the readers counts: a study that simulates reads no file
+    refuses : whether a refused argument may be one of its results; if not, checks of arguments do
+        not decide staleness: one that refuses would end the study
     """
 
     module: str
@@ -39,31 +41,40 @@ class Study(NamedTuple):
     seed: str
     inputs: tuple[str, ...] = ()
     reads_recordings: bool = False
+    refuses: bool = True
 
 
+CHECKS = ("check", "expect")
+"""How the names of functions begin that check arguments and return nothing that is used."""
+CONVERTING = ("check_fields", "check_shape")
+"""Checks that also make what they check something else, which may change a number."""
 STUDIES: dict[str, Study] = {
     "scooter_driving": Study(
         "mobility_imu.reproduction.scooter.driving_record",
         "driving_record",
         "scooters 0 to 19; each ride's seed is made from scooter, course, driver and run",
+        refuses=False,
     ),
     "scooter_posterior_calibration": Study(
         "mobility_imu.reproduction.scooter.posterior_check",
         "recorded_check",
         "2022 and the table's number, 0 to 99",
         ("scooter_table1.csv",),
+        refuses=False,
     ),
     "scooter_prediction": Study(
         "mobility_imu.reproduction.scooter.prediction",
         "recorded_prediction",
         "1; each ride's seed is made from scooter, course, driver and run",
         ("scooter_table1.csv",),
+        refuses=False,
     ),
     "scooter_table1_controls": Study(
         "mobility_imu.reproduction.scooter.table1_controls",
         "shuffle_record",
         "1, of the shuffled tables and of the fits' starting points",
         ("scooter_table1.csv",),
+        refuses=False,
     ),
     "real_two_hinges": Study(
         "mobility_imu.reproduction.scooter.real_hinges_record",
@@ -267,7 +278,7 @@ def code_digest(study: Study) -> str:
     """Digest of the code that a study depends on, within this package.
 
     Definitions count, not where they stand: moving a function from file to file, another comment
-    or docstring changes nothing.
+    or docstring changes nothing; nor does another check of an argument, if ``refuses`` is false.
 
     Parameters
     ----------
@@ -277,7 +288,8 @@ def code_digest(study: Study) -> str:
     -------
     str of 16 hexadecimal digits
     """
-    definitions = sorted(text for path in _files(study) for text in _definitions(path))
+    files = _files(study)
+    definitions = sorted(text for path in files for text in _definitions(path, study.refuses))
     return hashlib.sha256("\n".join(definitions).encode()).hexdigest()[:16]
 
 
@@ -291,11 +303,20 @@ def _files(study: Study) -> set[Path]:
 
 
 @cache
-def _definitions(path: Path) -> tuple[str, ...]:
-    return tuple(_dumped(ast.parse(path.read_text())))
+def _definitions(path: Path, refuses: bool) -> tuple[str, ...]:
+    return tuple(_dumped(ast.parse(path.read_text()), refuses))
 
 
-def _dumped(tree: ast.Module) -> Iterator[str]:
+def _dumped(tree: ast.Module, refuses: bool) -> Iterator[str]:
+    """What each definition computes, without imports and docstrings, and checks unless they count.
+
+    Parameters
+    ----------
+    tree : is changed
+    refuses : whether checks of arguments count
+    """
+    if not refuses:
+        _leave_checks_out(tree)
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list):
@@ -308,6 +329,35 @@ def _dumped(tree: ast.Module) -> Iterator[str]:
             node.body = kept or [ast.Pass()]  # type: ignore[attr-defined]
     for node in tree.body:
         yield ast.dump(node)
+
+
+def _leave_checks_out(node: ast.AST) -> None:
+    for child in ast.iter_child_nodes(node):
+        _leave_checks_out(child)
+    if isinstance(node, ast.ExceptHandler):
+        return  # whether it raises or goes on is not the same
+    for field in ("body", "orelse", "finalbody"):
+        body = getattr(node, field, None)
+        if isinstance(body, list) and body:
+            kept = [part for part in body if not _only_checks(part)]
+            setattr(node, field, kept or [ast.Pass()])
+
+
+def _only_checks(node: ast.AST) -> bool:
+    """Whether a statement raises an InputError or does nothing."""
+    if isinstance(node, ast.Expr):
+        called = node.value.func if isinstance(node.value, ast.Call) else None
+        name = getattr(called, "attr", getattr(called, "id", ""))
+        return name.lstrip("_").startswith(CHECKS) and name not in CONVERTING
+    if isinstance(node, ast.Raise):
+        called = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
+        return getattr(called, "id", "") == "InputError"
+    if isinstance(node, ast.If | ast.For):
+        # A name that a condition gives a value is used later.
+        named = any(isinstance(part, ast.NamedExpr) for part in ast.walk(node))
+        inside = [*node.body, *node.orelse]
+        return not named and all(isinstance(n, ast.Pass) or _only_checks(n) for n in inside)
+    return False
 
 
 def _versions() -> dict[str, str]:
