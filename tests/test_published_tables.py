@@ -136,6 +136,14 @@ def test_unknown_table_is_refused_with_the_names_that_exist(name):
     assert all(known in str(error.value) for known in CELLS)
 
 
+@pytest.mark.parametrize(
+    "name", [["scooter_table1"], np.array(["a", "b"]), None, b"scooter_table1"]
+)
+def test_a_name_that_is_no_text_is_refused(name):
+    with pytest.raises(InputError, match="expected the name of a table"):
+        load_published(name)
+
+
 def test_missing_data_folder_is_named(monkeypatch, tmp_path):
     monkeypatch.setattr("mobility_imu.data.ROOT", tmp_path)
     with pytest.raises(InputError, match="published tables"):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from mobility_imu.data import published_folder
 from mobility_imu.errors import InputError
+from mobility_imu.frames import shown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,6 +53,8 @@ def load_published(name: str) -> pd.DataFrame:
     >>> cells.loc[("upward", "e", "single_mae"), "printed"]
     '9.7'
     """
+    if not isinstance(name, str):
+        raise InputError(f"published table {shown(name)}: expected the name of a table")
     return _load(published_folder(), name).copy()
 
 
