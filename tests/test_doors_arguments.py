@@ -7,11 +7,11 @@ from dataclasses import fields, replace
 import numpy as np
 import pandas as pd
 import pytest
+from doors import refused
 
 from mobility_imu import datasets, faults, health, offsets, quality, runs, scooter, walker
 from mobility_imu import wheelchair as chair
 from mobility_imu.datasets.series import longest_run, low_pass
-from mobility_imu.errors import InputError
 from mobility_imu.executors import check_executor
 from mobility_imu.readers import read_recording
 from mobility_imu.recording import Imu, Recording
@@ -89,14 +89,6 @@ STRANGE = (
     np.zeros((2, 2, 2, 2)), scooter.RideSettings(), (n for n in range(3)), pd.DataFrame({"a": [1]}),
     np.array([object(), None], object), np.ma.array([1.0, 2.0], mask=[0, 1]),
 )  # fmt: skip
-
-
-def refused(door):
-    with pytest.raises(InputError) as error:
-        door()
-    text = str(error.value)
-    assert text and "\n" not in text and len(text) < 250
-    return text
 
 
 @pytest.mark.parametrize("name", RESULTS)

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from doors import refused
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from mobility_imu import files, filters, frames, hinges, rotations
-from mobility_imu.errors import InputError
 from mobility_imu.executors import run_all
 from mobility_imu.fields import check_fields
 from mobility_imu.names import as_names
@@ -62,14 +62,6 @@ STRANGE = (
     np.array([object(), None], object), np.ma.array([1.0, 2.0], mask=[0, 1]),
 )  # fmt: skip
 WORDS = {"source", "name", "text", "path"}
-
-
-def refused(door):
-    with pytest.raises(InputError) as error:
-        door()
-    text = str(error.value)
-    assert text and "\n" not in text and len(text) < 250
-    return text
 
 
 @pytest.mark.parametrize("result", RESULTS, ids=lambda one: type(one).__name__)

@@ -4,6 +4,7 @@ import copy
 import pickle
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from itertools import product
 from multiprocessing import get_context
 
 import numpy as np
@@ -455,6 +456,19 @@ def test_a_filter_that_went_astray_is_told():
         told = any("it went astray" in text for text in found.warnings)
         assert (error > 45) == astray == told
         assert (found.valid.mean() < 0.8) == astray
+
+
+@pytest.mark.slow
+def test_one_of_sixty_rides_with_bad_sensors_goes_astray():
+    """What the chapter states of them: thirty on paving, thirty on a straight course."""
+    astray = []
+    for seed, course in product(range(30), ("tactile", "straight")):
+        ride, mount = calibrated_ride(seed, course, REAL)
+        found = estimate_ride(ride.recording, SUZUKI_ET4D, mount, RideSettings(method="fusion"))
+        off = np.rad2deg(np.median(np.abs(found.steering_rad - ride.steering_rad)))
+        if off > 45 or any("it went astray" in text for text in found.warnings):
+            astray.append((seed, course))
+    assert astray == [(13, "tactile")]
 
 
 def test_why_the_filter_went_astray():
