@@ -2,11 +2,16 @@
 
 import json
 import re
+import runpy
 import sys
 from pathlib import Path
 
 import pytest
 import yaml
+
+from mobility_imu._compiled import HAVE_NUMBA
+from mobility_imu.scooter import fusion_filter
+from mobility_imu.walker import _kernel
 
 BOOK = Path(__file__).resolve().parents[1] / "book"
 
@@ -81,7 +86,7 @@ def test_nothing_is_needed_before_it_was_given(chapter):
     assert links == {page.rpartition("/")[2] for page in needs()[chapter]}
 
 
-def test_the_second_core_begins_with_what_needs_no_compiled_loops(page, monkeypatch, tmp_path):
+def test_both_cores_begin_with_what_needs_no_compiled_loops(page, monkeypatch, tmp_path):
     import execute
 
     monkeypatch.setattr(execute, "EXECUTED", tmp_path)  # nothing was run before
@@ -89,5 +94,15 @@ def test_the_second_core_begins_with_what_needs_no_compiled_loops(page, monkeypa
     order = execute.in_order(notebooks, 20)
     assert sorted(order) == notebooks
     plain = [n for n in notebooks if "wheelchair" in n.parts]
-    assert sorted(order[20 : 20 + len(plain)]) == plain
-    assert order[0] == Path("book/index.ipynb")
+    half = len(plain) // 2
+    assert sorted([*order[: len(plain) - half], *order[20 : 20 + half]]) == plain
+    assert order[0] == Path("notebooks/wheelchair/slip.ipynb")
+    assert order[len(plain) - half] == Path("notebooks/scooter/past_the_paper.ipynb")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not HAVE_NUMBA, reason="numba is an extra")
+def test_the_filters_are_compiled_for_the_types_that_the_devices_use():
+    runpy.run_path(str(BOOK / "machine_code.py"))
+    for name in ("run_filter", "run_smoother"):
+        assert getattr(fusion_filter, name).overloads and getattr(_kernel, name).overloads
