@@ -23,6 +23,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from datetime import datetime
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -73,14 +74,31 @@ def modules_reached(notebook: Path) -> set[Path]:
     return imports.reached((f for n in names if (f := imports.file_of(n))), imports.loaded)
 
 
+@cache
+def bytes_of(path: Path) -> bytes:
+    """Content of a file of the project, read once."""
+    return path.read_bytes()
+
+
+@cache
+def inside(folder: Path) -> frozenset[Path]:
+    """Files in a folder of data, and below it."""
+    return frozenset(path for path in folder.rglob("*") if path.is_file())
+
+
+@cache
+def beside(folder: Path) -> frozenset[Path]:
+    """Settings that lie beside modules."""
+    return frozenset(folder.glob("*.toml"))
+
+
 def data_reached(notebook: Path, modules: set[Path]) -> list[Path]:
     """Data files in the folders that a notebook or its modules ask :mod:`mobility_imu.data` for."""
-    asking = [m.read_text() for m in modules if m.name != "data.py"]
+    asking = [bytes_of(m).decode() for m in modules if m.name != "data.py"]
     text = code_of(notebook) + "".join(asking)
     folders = [f for f in DATA.iterdir() if f.is_dir() and f"{f.name}_folder" in text]
-    inside = [p for folder in folders for p in folder.rglob("*") if p.is_file()]
-    beside = [p for m in modules for p in m.parent.glob("*.toml")]
-    return sorted({*inside, *beside})
+    files = [*map(inside, folders), *map(beside, {m.parent for m in modules})]
+    return sorted(set().union(*files))
 
 
 def key_of(notebook: Path) -> str:
@@ -90,7 +108,7 @@ def key_of(notebook: Path) -> str:
     digest = hashlib.sha256()
     for path in [*files, ROOT / "constraints.txt"]:
         digest.update(str(path.relative_to(ROOT)).encode())
-        digest.update(path.read_bytes())
+        digest.update(bytes_of(path))
     for name in VARIABLES:
         digest.update(f"{name}={os.environ.get(name, '')}".encode())
     digest.update(platform.python_version().encode())

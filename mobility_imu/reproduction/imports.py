@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -23,12 +23,20 @@ def imported(code: str) -> set[str]:
     set of names with dots, such as "mobility_imu.walker.steps"
     """
     found = set()
-    for node in ast.walk(ast.parse(code)):
+    for node in _statements(ast.parse(code)):
         if isinstance(node, ast.ImportFrom) and node.module:
             found |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
         elif isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
     return {name for name in found if name.split(".")[0] == PACKAGE.name}
+
+
+def _statements(node: ast.AST) -> Iterator[ast.AST]:
+    """Statements inside a node at any depth; no expressions, which are most of a tree."""
+    for field in ("body", "orelse", "finalbody", "handlers", "cases"):
+        for inner in getattr(node, field, ()):
+            yield inner
+            yield from _statements(inner)
 
 
 def named(code: str) -> set[str]:
@@ -42,9 +50,7 @@ def named(code: str) -> set[str]:
     -------
     set of names with dots
     """
-    nodes = ast.walk(ast.parse(code))
-    texts = {n.value for n in nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)}
-    return {text for text in texts if re.fullmatch(rf"{PACKAGE.name}(\.\w+)+", text)}
+    return {found[1] for found in re.finditer(rf"[\"']({PACKAGE.name}(?:\.\w+)+)[\"']", code)}
 
 
 @cache
