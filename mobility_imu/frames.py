@@ -265,6 +265,8 @@ def as_flags(flags: ArrayLike, name: str, *, length: int | tuple[int, ...]) -> N
     expected = f"{name}: expected truth values, or 0 and 1"
     if isinstance(flags, np.ma.MaskedArray) and np.ma.is_masked(flags):
         raise InputError(f"{expected}; some are masked")
+    if isinstance(flags, bytearray):
+        raise InputError(f"{expected}, got bytes")
     try:
         array = np.array(flags)
     except (TypeError, ValueError):

@@ -198,6 +198,7 @@ def test_flags_in_any_dress(flags):
     [
         *([True, False], [[True], [False], [True]], None, ["0", "1", "1"], [0, 2, 1]),
         *([0, np.nan, 1], [0, 0.5, 1], [1j, 0, 1], [[1], [1, 2], 3], "101"),
+        *(b"\1\0\1", bytearray(b"\1\0\1")),
         np.ma.masked_array([1, 0, 1], [0, 1, 0]),
         pd.array([True, False, None], dtype="boolean"),
         np.array([True, None, False], object),
