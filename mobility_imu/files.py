@@ -200,6 +200,8 @@ def csv_bytes(table: pd.DataFrame, path: Path) -> bytes:
     -------
     bytes
     """
+    if isinstance(table, type):
+        raise InputError(f"table: got the class {table.__name__} itself, expected DataFrame")
     if not hasattr(table, "columns"):
         raise InputError(f"table: got {type(table).__name__}, expected DataFrame")
     if not isinstance(path, Path):
@@ -235,6 +237,8 @@ def figure_bytes(figure: Figure, path: Path) -> bytes:
     -------
     bytes
     """
+    if isinstance(figure, type):
+        raise InputError(f"figure: got the class {figure.__name__} itself, expected Figure")
     if not hasattr(figure, "savefig"):
         raise InputError(f"figure: got {type(figure).__name__}, expected Figure")
     if not isinstance(path, Path):

@@ -83,8 +83,9 @@ def savitzky_golay(values: ArrayLike, window: int, order: int) -> FloatArray:
     Raises
     ------
     InputError
-        If the window is even or longer than the data, the order does not fit into it, or a value
-        near an end, to which a polynomial is fitted, is not finite.
+        If the window is even or longer than the data, the order does not fit into it or is so high
+        that rounding spoils the fit, or a value near an end, to which a polynomial is fitted, is
+        not finite.
     """
     from scipy import signal
 
@@ -92,6 +93,12 @@ def savitzky_golay(values: ArrayLike, window: int, order: int) -> FloatArray:
     order = as_count(order, "Savitzky-Golay order", least=0)
     if order >= window:
         raise InputError(f"Savitzky-Golay order = {order}: expected from 0 to window - 1")
+    # SciPy solves in powers of the place: its weights are off by 1e-4 from 1e13 on, then useless.
+    if order * np.log10(max(window // 2, 1)) > 13:
+        raise InputError(
+            f"Savitzky-Golay order = {order}: expected up to {int(13 / np.log10(window // 2))} "
+            f"in a window of {window}, beyond which rounding spoils it"
+        )
     try:
         return np.asarray(signal.savgol_filter(data, window, order, axis=0))
     except ValueError:  # of the fit of a polynomial at the ends

@@ -89,6 +89,8 @@ def as_floats(values: Any, name: str) -> FloatArray:
     """
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
         raise InputError(f"{name}: expected real numbers, got masked values")
+    if isinstance(values, bytearray):
+        raise InputError(f"{name}: expected real numbers, got bytes")
     if not isinstance(values, np.ndarray) and _holds_truth(values):
         raise InputError(f"{name}: expected real numbers, got truth values")
     try:
@@ -263,6 +265,8 @@ def as_flags(flags: ArrayLike, name: str, *, length: int | tuple[int, ...]) -> N
     expected = f"{name}: expected truth values, or 0 and 1"
     if isinstance(flags, np.ma.MaskedArray) and np.ma.is_masked(flags):
         raise InputError(f"{expected}; some are masked")
+    if isinstance(flags, bytearray):
+        raise InputError(f"{expected}, got bytes")
     try:
         array = np.array(flags)
     except (TypeError, ValueError):
@@ -412,7 +416,7 @@ def as_count(value: Any, name: str, *, least: int = 1) -> int:
     """
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
-    if not isinstance(least, int):
+    if not (_is_real(type(least)) and isinstance(least, numbers.Integral)):
         raise InputError(f"least = {shown(least)}: expected a whole number")
     whole = _is_real(type(value)) and isinstance(value, numbers.Integral)
     if not whole or value < least:

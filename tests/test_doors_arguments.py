@@ -85,9 +85,10 @@ RESULTS = {
 }  # fmt: skip
 TEXTS = np.array(["a"])
 STRANGE = (
-    3j, "abc", b"x", object(), dict, {"a": 1}, [[1, 2], [3]], [object()], TEXTS,
-    np.zeros((2, 2, 2, 2)), scooter.RideSettings(), (n for n in range(3)), pd.DataFrame({"a": [1]}),
-    np.array([object(), None], object), np.ma.array([1.0, 2.0], mask=[0, 1]),
+    3j, "abc", b"abc", bytearray(b"abc"), object(), dict, {"a": 1}, [[1, 2], [3]], [object()],
+    TEXTS, np.zeros((2, 2, 2, 2)), scooter.RideSettings(), (n for n in range(3)),
+    pd.DataFrame({"a": [1]}), np.array([object(), None], object),
+    np.ma.array([1.0, 2.0], mask=[0, 1]),
 )  # fmt: skip
 
 

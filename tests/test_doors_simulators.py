@@ -12,6 +12,7 @@ from doors import refused
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from matplotlib.figure import Figure
 
 from mobility_imu import files, filters, frames, hinges, rotations
 from mobility_imu.executors import run_all
@@ -57,8 +58,8 @@ RESULTS = (
     chair.random_court(1),
 )
 STRANGE = (
-    3j, "abc", b"x", object(), dict, {"a": 1}, [[1, 2], [3]], [object()], np.array([3j]),
-    np.zeros((2, 2, 2, 2)), (n for n in range(3)), np.datetime64("2020"), {1, 2},
+    3j, "abc", b"abc", bytearray(b"abc"), object(), dict, {"a": 1}, [[1, 2], [3]], [object()],
+    np.array([3j]), np.zeros((2, 2, 2, 2)), (n for n in range(3)), np.datetime64("2020"), {1, 2},
     np.array([object(), None], object), np.ma.array([1.0, 2.0], mask=[0, 1]),
 )  # fmt: skip
 WORDS = {"source", "name", "text", "path"}
@@ -160,6 +161,7 @@ def test_every_argument_is_checked(door):
     [
         (lambda: faults.freeze(STILL, "frame", "acc", 7.0, 1.0), "start_s = 7: the recording is"),
         (lambda: faults.spike(STILL, "frame", "acc", [COUNT], 1, 2.0), "samples = [300]"),
+        (lambda: faults.spike(STILL, "frame", "acc", [-1], 1, 2.0), "indices from 0 to 299"),
         (lambda: faults.spike(STILL, "frame", "acc", [0.5], 1, 2.0), "samples = [0.5]"),
         (lambda: faults.spike(STILL, "frame", "acc", [3], 3, 2.0), "axis = 3: expected 0, 1 or 2"),
         (lambda: faults.reverse(STILL, "frame", [1, 1, 0.5]), "signs = "),
@@ -171,6 +173,11 @@ def test_every_argument_is_checked(door):
         (lambda: scooter.Course("x", (scooter.Segment(1.0, tactile="no"),)), "[0].tactile = 'no'"),
         (lambda: scooter.Course("x", (scooter.Segment(1.0),)).outline(10**400), "points = "),
         (lambda: scooter.Shaking(vibration_hz=(14.0, "22")), "vibration_hz = '22'"),
+        (lambda: scooter.Shaking(vibration_hz=(300.0, 200.0)), "two positive numbers <= 250"),
+        (lambda: scooter.Shaking(vibration_hz=np.array([14.0, 22.0])), "<= 250, as a tuple"),
+        (lambda: walker.WalkStyle(length_m=np.array([0.3, 0.4])), "0 < low <= high, as a tuple"),
+        (lambda: replace(RESULTS[-3], task=np.full(len(RESULTS[-3].task), 0.5)), "task: sample 0"),
+        (lambda: replace(RESULTS[-3], task=np.full(len(RESULTS[-3].task), 7)), "task: sample 0"),
         (lambda: walker.Leg([1.0]), "length_m = [1.0]"),
         (lambda: sensor.Triad(bandwidth_hz=1e-9), "Triad.bandwidth_hz = 1e-09: expected between"),
         (lambda: scooter.Ground(roughness_m=1e308), "Ground.roughness_m = 1e+308"),
@@ -195,12 +202,17 @@ def test_every_argument_is_checked(door):
         (lambda: read_only([1.0]), "array: got list"),
         (lambda: filters.savitzky_golay(np.full(9, np.nan), 5, 2), "not finite"),
         (lambda: files.csv_bytes(None, NOWHERE), "table: got NoneType"),
+        (lambda: files.csv_bytes(pd.DataFrame, NOWHERE), "table: got the class DataFrame itself"),
+        (lambda: files.figure_bytes(Figure, NOWHERE), "figure: got the class Figure itself"),
         (lambda: files.Outputs(["a.csv"]), "files: got list"),
         (lambda: files.Outputs({"-o": "a.csv"}), "files: got str"),
         (lambda: files.Outputs({}, inputs=("a.csv",)), "inputs: got str"),
         (lambda: files.Outputs({}, folder="a"), "folder: got str"),
         (lambda: hinges.steered(COLUMN, ONES[1:]), "steering_rad (299,)"),
-        (lambda: geometry.lever_acceleration(ACC, ONES[1:], 0.1, SUZUKI_ET4D), "(299,)"),
+        (lambda: geometry.lever_acceleration(ACC, ONES[1:], 0.1, SUZUKI_ET4D),
+         "body_acc_mps2 (300,), steering_rad (299,), throttle_rad ()"),
+        (lambda: angles.throttle_angle(LEVER, ACC, ONES[1:], SUZUKI_ET4D),
+         "lever_acc_mps2 (300,), body_acc_mps2 (300,), steering_rad (299,)"),
         (lambda: angles.angle_standard_deviations(
             LEVER, ONES, ONES[1:], SUZUKI_ET4D, lever_sd_mps2=0.1), "throttle_rad (299,)"),
         (lambda: angles.ScooterAngles(ONES, ONES[1:], ONES > 0), "ScooterAngles.throttle_rad"),
@@ -212,6 +224,51 @@ def test_every_argument_is_checked(door):
 )  # fmt: skip
 def test_the_argument_is_named(door, said):
     assert said in refused(door)
+
+
+LONG = 3 * (chair.Leg(2, 20_000.0, 1.0),)
+SLOW = walker.WalkStyle(swing_s=(30_000.0, 36_000.0))
+QUICK = walker.WalkStyle(swing_s=(1e-9, 1e-9), stance_s=(1e-9, 1e-9))
+PARTS = (scooter.Segment(9_000.0), scooter.Segment(2_000.0))
+
+
+@pytest.mark.parametrize(
+    ("door", "said"),
+    [
+        (lambda: chair.simulate_drive(LONG, SAMPLE_CHAIR, MOUNTING, seed=1), "60000 s of the legs"),
+        (lambda: chair.simulate_court(LONG, SAMPLE_CHAIR, MOUNTING, seed=1), "60000 s of the legs"),
+        (lambda: chair.simulate_drive(GO, SAMPLE_CHAIR, MOUNTING, seed=1, sampling_rate_hz=1e4),
+         None),
+        (lambda: chair.simulate_drive(LONG[:1], SAMPLE_CHAIR, MOUNTING, seed=1,
+                                      sampling_rate_hz=1e5), "sampling_rate_hz = 100000"),
+        (lambda: walker.simulate_walk(9 * (walker.Leg(900.0),), seed=1), "expected up to 40000 s"),
+        (lambda: walker.simulate_walk([walker.Leg(1.0)], seed=1, style=SLOW), "up to 40000 s"),
+        (lambda: walker.simulate_walk([walker.Leg(1e3)], seed=1, style=QUICK, duration_s=9e3),
+         "more than 1100000 steps"),
+        (lambda: walker.simulate_walk(70 * (walker.Leg(1e4),), seed=1), "more than 1100000 steps"),
+        (lambda: walker.simulate_walk([walker.Leg(1e4)], seed=1, duration_s=9.0), None),
+        (lambda: walker.simulate_tilts(
+            levels.FOOTPRINT, seed=1, order=("front",) * 2,
+            style=walker.TiltStyle(hold_s=(30_000.0, 36_000.0))), "expected up to 40000 s"),
+        (lambda: scooter.simulate_ride(scooter.Course("x", PARTS), seed=1), "course: 11000 m"),
+        (lambda: scooter.simulate_parked(
+            np.zeros((1000, 2)), pitch_rad=0, bank_rad=0, seed=1), "settings_rad: 1000 poses"),
+    ],
+)  # fmt: skip
+def test_parts_that_are_right_may_be_too_many(door, said):
+    """Each part is within its limits; a sum that no memory holds is refused before it is made."""
+    assert said in refused(door) if said else door()
+
+
+@pytest.mark.parametrize("size", [2.0**-1070, 2.0**-700, 2.0**700])
+def test_the_length_of_an_axis_does_not_matter(size):
+    tipped = [
+        faults.tip(STILL, "frame", axis, 0.3, 0.5, 0.5).sensor("frame")
+        for axis in ([1.0, 0, 1.0], [size, 0, size])
+    ]
+    assert np.array_equal(tipped[0].acc_mps2, tipped[1].acc_mps2)
+    assert np.array_equal(tipped[0].gyr_radps, tipped[1].gyr_radps)
+    assert not np.allclose(tipped[1].acc_mps2[-1], STILL.sensor("frame").acc_mps2[-1])
 
 
 def test_what_is_right_is_taken():

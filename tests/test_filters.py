@@ -70,6 +70,25 @@ def test_orders_that_are_none(order):
         savitzky_golay(SERIES, 5, order)
 
 
+@pytest.mark.parametrize(("window", "order"), [(301, 150), (301, 7), (101, 9), (21, 14)])
+def test_orders_whose_weights_would_be_lost_in_rounding(window, order):
+    """SciPy's are off by 0.1 % and more there, and it refuses the highest orders."""
+    data = np.random.default_rng(1).normal(size=2 * window)
+    with pytest.raises(InputError, match=f"order = {order}: expected up to .* window of {window}"):
+        savitzky_golay(data, window, order)
+
+
+@pytest.mark.parametrize(("window", "order"), [(301, 5), (101, 7), (21, 12), (11, 10), (3, 2)])
+def test_orders_that_a_window_takes(window, order):
+    """Each window fitted by itself, in Legendre polynomials."""
+    data = np.random.default_rng(1).normal(size=2 * window)
+    base, _ = np.linalg.qr(np.polynomial.legendre.legvander(np.linspace(-1, 1, window), order))
+    half = window // 2
+    windows = np.lib.stride_tricks.sliding_window_view(data, window)
+    expected = windows @ (base @ base[half])
+    assert np.allclose(savitzky_golay(data, window, order)[half:-half], expected, atol=1e-3)
+
+
 def test_a_misspelt_edge():
     with pytest.raises(InputError, match="edge = 'zeros': expected 'nearest' or 'zero'"):
         median_filter(SERIES, 3, edge="zeros")

@@ -198,6 +198,7 @@ def test_flags_in_any_dress(flags):
     [
         *([True, False], [[True], [False], [True]], None, ["0", "1", "1"], [0, 2, 1]),
         *([0, np.nan, 1], [0, 0.5, 1], [1j, 0, 1], [[1], [1, 2], 3], "101"),
+        *(b"\1\0\1", bytearray(b"\1\0\1")),
         np.ma.masked_array([1, 0, 1], [0, 1, 0]),
         pd.array([True, False, None], dtype="boolean"),
         np.array([True, None, False], object),
@@ -303,7 +304,13 @@ def test_what_is_no_whole_number(value):
 def test_the_least_count_can_be_another():
     assert as_count(0, "x", least=0) == 0
     assert as_count(10**30, "seed") == 10**30
-    assert "3 or more" in refused(as_count, 2, "x", least=3)
+    for least in (3, np.int64(3), np.uint8(3)):
+        assert "x = 2: expected a whole number of 3 or more" in refused(
+            as_count, 2, "x", least=least
+        )
+        assert as_count(3, "x", least=least) == 3
+    for least in (True, 1.0, np.timedelta64(1), "1", None):
+        assert "least = " in refused(as_count, 2, "x", least=least)
 
 
 @dataclass(frozen=True)

@@ -102,7 +102,8 @@ class ScooterAngles(Result):
     ----------
     steering_rad : (...) array, rad, positive to the left
     throttle_rad : (...) array, rad, positive with the lever pushed
-    valid : (...) bool array, see :func:`estimate_angles`
+    valid : (...) bool array, see :func:`estimate_angles`. Of one vector alone, of shape (3,), all
+        three are single values; of a series of one sample, arrays of shape (1,)
     form : "corrected" or "printed", what they were estimated with
     warnings : sentences for the user
 
@@ -212,7 +213,9 @@ def throttle_angle(
     """
     lever, body = _vectors(lever_acc_mps2, body_acc_mps2, geometry)
     steering = as_floats(steering_rad, "steering_rad")
-    check_together(lever=lever.shape[:-1], body=body.shape[:-1], steering_rad=steering.shape)
+    check_together(
+        lever_acc_mps2=lever.shape[:-1], body_acc_mps2=body.shape[:-1], steering_rad=steering.shape
+    )
     column = column_vector(body, geometry.steering_inclination_rad)
     k1, (_, k2) = column.k1, steered(column, steering)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -322,7 +322,11 @@ def lever_acceleration(
     """
     body = as_vectors(body_acc_mps2, "body_acc_mps2")
     rotation = rotation_lever_to_body(steering_rad, throttle_rad, geometry)
-    check_together(body_acc_mps2=body.shape[:-1], steering_and_throttle=rotation.shape[:-2])
+    check_together(
+        body_acc_mps2=body.shape[:-1],
+        steering_rad=np.shape(steering_rad),
+        throttle_rad=np.shape(throttle_rad),
+    )
     return np.asarray(np.einsum("...ji,...j->...i", rotation, body))
 
 

@@ -30,7 +30,7 @@ def check_range(value: Any, name: str, *, most: float = np.inf, any_order: bool 
     Raises
     ------
     InputError
-        If it is no pair of numbers with 0 < low <= high <= most.
+        If it is no tuple or list of two numbers with 0 < low <= high <= most.
     """
     limit = f" <= {most:g}" if np.isfinite(most) else ""
     fits = isinstance(value, tuple | list) and len(value) == 2
@@ -38,8 +38,12 @@ def check_range(value: Any, name: str, *, most: float = np.inf, any_order: bool 
         low, high = (as_number(end, name) for end in value)
         fits = max(low, high) <= most and (any_order or low <= high)
     if not fits:
+        if any_order:
+            raise InputError(
+                f"{name} = {shown(value)}: expected two positive numbers{limit}, as a tuple"
+            )
         raise InputError(
-            f"{name} = {shown(value)}: expected (low, high) with 0 < low <= high{limit}"
+            f"{name} = {shown(value)}: expected (low, high) with 0 < low <= high{limit}, as a tuple"
         )
 
 
@@ -72,6 +76,8 @@ def check_triple(value: Any, name: str) -> None:
     InputError
         If it is none.
     """
+    if isinstance(value, bytes | bytearray | memoryview):
+        raise InputError(f"{name} = {shown(value)}: expected three numbers")
     fits = isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
     if not fits or getattr(value, "ndim", 1) == 0 or len(value) != 3:
         raise InputError(f"{name} = {shown(value)}: expected three numbers")

@@ -130,7 +130,9 @@ def spike(
     places = as_floats(samples, "samples")
     whole = np.isin(places, np.arange(len(values)))
     if places.ndim > 1 or not whole.all():
-        raise InputError(f"samples = {shown(samples)}: expected indices below {len(values)}")
+        raise InputError(
+            f"samples = {shown(samples)}: expected indices from 0 to {len(values) - 1}"
+        )
     values[places.astype(int), axis] += as_number(size, "size", negative=True)
     return _with(recording, sensor, half, values)
 
@@ -316,6 +318,8 @@ def tip(
         raise InputError("axis: of length 0, expected a direction")
     angle_rad = as_number(angle_rad, "angle_rad", negative=True)
     start_s = as_number(start_s, "start_s", negative=True)
+    # Near 1 by a power of 2, which moves no digit: the square of 1e200 has no number.
+    along = np.ldexp(along, -int(np.frexp(np.abs(along).max())[1]))
     unit = along / np.linalg.norm(along)
     imu, time_s = _sensor(recording, sensor), recording.time_s - recording.time_s[0]
     part = np.clip((time_s - start_s) / as_number(length_s, "length_s"), 0.0, 1.0)

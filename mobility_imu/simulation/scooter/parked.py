@@ -63,8 +63,8 @@ def simulate_parked(
     Raises
     ------
     InputError
-        If a part is of another class, there is no pose, a slope is above pi/4, or the seed is
-        negative or not whole.
+        If a part is of another class, there is no pose or more than 200, a slope is above pi/4, or
+        the seed is negative or not whole.
     """
     expect("geometry", geometry, ScooterGeometry)
     expect("sensor", sensor, SensorModel)
@@ -107,6 +107,8 @@ def _real_stops(
         raise InputError(
             "settings_rad: expected one pair (steering, throttle) of finite numbers for each pose"
         )
+    if len(believed) > 200:  # the changes of all poses are made at once
+        raise InputError(f"settings_rad: {len(believed)} poses, expected up to 200")
     rng = stream(seed, 14)
     real = believed.copy()
     for control in range(2):

@@ -24,6 +24,7 @@ from mobility_imu.scooter.geometry import (
     rotation_steering_column_to_body,
     rotation_steering_to_column,
 )
+from mobility_imu.simulation.checks import LONGEST_M
 from mobility_imu.simulation.kinematics import felt_by_imu
 from mobility_imu.simulation.scooter.course import Course, Ground, ground_line, level_at
 from mobility_imu.simulation.scooter.driver import SPEED_LIMIT_MPS, Driver, ScooterMotion, drive
@@ -120,13 +121,15 @@ def simulate_ride(
     Raises
     ------
     InputError
-        If a part is of another class, the sensor loses samples or jitters, the sampling rate is not
-        positive or above FAST_HZ, or the seed is negative or not whole.
+        If a part is of another class, the course is too long, the sensor loses samples or jitters,
+        the sampling rate is not positive or above FAST_HZ, or the seed is negative or not whole.
     """
     expect("course", course, Course)
     expect("geometry", geometry, ScooterGeometry)
     expect("sensor", sensor, SensorModel)
     sampling_rate_hz = as_number(sampling_rate_hz, "sampling_rate_hz")
+    if course.length_m > LONGEST_M:
+        raise InputError(f"course: {course.length_m:g} m in all, expected up to {LONGEST_M:g} m")
     if sensor.dropped_share > 0 or sensor.clock_jitter_s > 0:
         raise InputError(
             "sensor: lost samples and jitter differ between the two IMUs of a ride, whose samples "

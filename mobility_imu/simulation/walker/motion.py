@@ -43,6 +43,8 @@ def _deg(value: float) -> float:
 
 FAST_HZ = 500.0
 """Rate at which the true motion is written down; the fastest part, ringing, has 25 Hz."""
+LONGEST_IN_ALL_S = 4e4
+"""Eleven hours, more than the longest ``duration_s`` of a walk: as many samples take 8 GB."""
 
 
 @dataclass(frozen=True)
@@ -288,7 +290,17 @@ def fast_clock(end_s: float) -> FloatArray:
     Parameters
     ----------
     end_s : s
+
+    Raises
+    ------
+    InputError
+        If the end is later than LONGEST_IN_ALL_S.
     """
+    if end_s > LONGEST_IN_ALL_S:
+        raise InputError(
+            f"the motion lasts {end_s:.0f} s in all, expected up to {LONGEST_IN_ALL_S:g} s, eleven "
+            "hours; shorten its parts or take fewer"
+        )
     return np.arange(int(np.ceil(end_s * FAST_HZ)) + 1) / FAST_HZ
 
 

@@ -83,7 +83,8 @@ def simulate_tilts(
     Raises
     ------
     InputError
-        If there is no tilt, a direction is unknown, or the seed is negative or not whole.
+        If there is no tilt, a direction is unknown, the tilts last too long in all, or the seed is
+        negative or not whole.
     """
     expect("geometry", geometry, WalkerGeometry)
     style = settings_or_default("style", style, TiltStyle)

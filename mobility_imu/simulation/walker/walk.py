@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import NamedTuple
 
 import numpy as np
@@ -106,6 +107,10 @@ OUT_AND_BACK_30 = (Leg(30.0, np.pi), Leg(30.0, np.pi))
 """Up and down a 30 m hallway, as in a 6-Minute Walk Test (with ``duration_s=360``)."""
 
 
+MOST_STEPS = 1_100_000
+"""As many as the longest leg takes in the shortest steps, and some to turn."""
+
+
 def simulate_walk(
     path: Sequence[Leg],
     *,
@@ -135,8 +140,8 @@ def simulate_walk(
     Raises
     ------
     InputError
-        If the path is empty or has no length, the duration is not positive, or the seed is
-        negative or not whole.
+        If the path is empty or has no length, the duration is not positive, the whole takes more
+        steps or time than fit into memory, or the seed is negative or not whole.
     """
     style = settings_or_default("style", style, WalkStyle)
     expect("imperfections", imperfections, Imperfections)
@@ -285,21 +290,25 @@ def _plan(
     path: Sequence[Leg], style: WalkStyle, rng: np.random.Generator, duration_s: float | None
 ) -> _Plan:
     rows: list[FloatArray] = []
-    clock = 0.0
-    while not rows or (duration_s is not None and clock < duration_s):
-        for leg in path:
-            lengths = _step_lengths(leg.length_m, style, rng)
-            turns = int(np.ceil(abs(leg.turn_rad) / style.turn_step_rad - 1e-9))
-            count = len(lengths) + turns
-            spans = [
-                rng.uniform(*span, count)
-                for span in (style.swing_s, style.stance_s, style.lift_m, style.pitch_rad)
-            ]
-            moves = np.zeros((2, count))
-            moves[0, : len(lengths)] = lengths
-            moves[1, len(lengths) :] = leg.turn_rad / max(turns, 1)
-            rows.append(np.vstack([moves, *spans]))
-            clock += float(spans[0].sum() + spans[1].sum())
+    clock, steps = 0.0, 0
+    for leg in path if duration_s is None else cycle(path):
+        lengths = _step_lengths(leg.length_m, style, rng)
+        turns = int(np.ceil(abs(leg.turn_rad) / style.turn_step_rad - 1e-9))
+        count = len(lengths) + turns
+        spans = [
+            rng.uniform(*span, count)
+            for span in (style.swing_s, style.stance_s, style.lift_m, style.pitch_rad)
+        ]
+        moves = np.zeros((2, count))
+        moves[0, : len(lengths)] = lengths
+        moves[1, len(lengths) :] = leg.turn_rad / max(turns, 1)
+        rows.append(np.vstack([moves, *spans]))
+        clock += float(spans[0].sum() + spans[1].sum())
+        steps += count
+        if steps > MOST_STEPS:
+            raise InputError(f"path: more than {MOST_STEPS} steps; shorten it, or take longer ones")
+        if duration_s is not None and clock >= duration_s:
+            break
     length, turn, swing, stance, lift, pitch = np.hstack(rows)
     lift_s = style.first_still_s + np.r_[0.0, np.cumsum(swing + stance)[:-1]]
     facing = np.cumsum(turn) - turn

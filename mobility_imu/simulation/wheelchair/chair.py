@@ -174,6 +174,10 @@ def checked_rate(sampling_rate_hz: float) -> float:
     return rate
 
 
+MOST_SAMPLES = 4_000_000
+"""Eleven hours at 100 Hz: a court of as many samples takes 10 GB."""
+
+
 def samples_of(legs: Sequence[Leg], sampling_rate_hz: float) -> int:
     """Number of samples of a drive along legs.
 
@@ -189,7 +193,7 @@ def samples_of(legs: Sequence[Leg], sampling_rate_hz: float) -> int:
     Raises
     ------
     InputError
-        If the drive is over before the second sample.
+        If the drive is over before the second sample, or has more than MOST_SAMPLES.
     """
     duration_s = sum(leg.duration_s for leg in legs)
     count = round(duration_s * sampling_rate_hz)
@@ -197,6 +201,11 @@ def samples_of(legs: Sequence[Leg], sampling_rate_hz: float) -> int:
         raise InputError(
             f"sampling_rate_hz = {sampling_rate_hz:g}: {count} sample(s) in the {duration_s:g} s "
             "of the legs, expected at least 2"
+        )
+    if count > MOST_SAMPLES:
+        raise InputError(
+            f"sampling_rate_hz = {sampling_rate_hz:g}: {count} samples in the {duration_s:g} s of "
+            f"the legs, expected up to {MOST_SAMPLES}"
         )
     return count
 

@@ -74,7 +74,7 @@ class SimulatedDrive(Result):
     recording : Recording with sensors frame, left_wheel, right_wheel
     linear_velocity_mps : (n,) array, m/s, midway between the wheels' contacts
     yaw_rate_radps : (n,) array, rad/s
-    task : (n,) array of task codes. A rest ends when motion begins and begins when it ends;
+    task : (n,) array of task codes, 1 to 6. A rest ends when motion begins and begins when it ends;
         between two motions the change is in the middle
     """
 
@@ -88,8 +88,13 @@ class SimulatedDrive(Result):
         expect(f"{type(self).__name__}.recording", self.recording, Recording)
         count = len(self.recording)
         check_fields(self, linear_velocity_mps=(count,), yaw_rate_radps=(count,))
-        as_series(self.task, f"{type(self).__name__}.task", length=count)
-        object.__setattr__(self, "task", np.asarray(self.task))
+        label = f"{type(self).__name__}.task"
+        task = as_series(self.task, label, length=count)
+        strange = ~np.isin(task, np.arange(1, 7))
+        if strange.any():
+            first = int(np.argmax(strange))
+            raise InputError(f"{label}: sample {first} is {task[first]:g}, expected 1 to 6")
+        object.__setattr__(self, "task", task.astype(np.int8))
         super().__post_init__()
 
     def truth(self) -> pd.DataFrame:

@@ -39,7 +39,7 @@ class Court(Result):
     seed: int
 
     def __post_init__(self) -> None:
-        """Check every part; the legs are checked when they are driven."""
+        """Check every part; whether the legs can be driven is found when they are."""
         check_fields(
             self,
             legs=[Leg],
@@ -114,14 +114,16 @@ def random_court(
     """Draw a court: chair, mounting, order and size of the tasks, slips.
 
     Camber 0 to 24°, radii that differ by up to 1 %, all six tasks, turns to both sides. A slip
-    lasts 0.2 to 1 s. Half of them spin, by 0.4 to 1.5 m/s; half skid, by 40 to 100 % of the
-    leg's speed.
+    lasts 0.2 to 1 s and is the only one of its leg; ten legs roll, so that there are ten at most.
+    Of one wheel, half of them spin, by 0.4 to 1.5 m/s; half skid, by 40 to 100 % of the leg's
+    speed.
 
     Parameters
     ----------
     seed : the same seed gives the same court
-    slips : number of episodes, at most
-    both_wheels_share : of the episodes, both wheels slip together, by amounts 20 % apart or less
+    slips : number of times that the chair slips, ten at most
+    both_wheels_share : probability that the other wheel slips at the same time, by 80 to 120 % of
+        the first one's amount. Both are then episodes in ``Court.slips``
     largest_toe_rad : rad, the toe is drawn between this inward and this outward (1°)
 
     Returns
