@@ -67,6 +67,7 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "scooter/pose_errors": ("test_scooter_pose_check", "test_scooter_pose_table"),
     "scooter/sensor_pair": ("test_scooter_faults", "test_scooter_contradictions"),
     "scooter/slips": ("test_scooter_forces",),
+    "scooter/uncertain": ("test_scooter_ride",),
     "wheelchair/calibration": ("test_wheelchair_offsets",),
     "wheelchair/check": ("test_wheelchair_outcomes", "test_wheelchair_offsets"),
     "wheelchair/codes": ("test_wheelchair_tasks",),

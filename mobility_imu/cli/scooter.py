@@ -62,7 +62,7 @@ WORDS = {
     "median window = ": "--median-window ",
 }
 """Names of the settings in the library's messages, and of the options."""
-NO_FAULT = ("accelerated", "settings")
+NO_FAULT = ("accelerated", "uncertain", "settings")
 """Kinds of remarks on a ride that are of no fault: to be pushed is none of a sensor."""
 
 Ride = Annotated[

@@ -148,7 +148,11 @@ def _averaged(values: FloatArray, seconds: float, rate_hz: float) -> FloatArray:
 
 
 def seen_by(
-    lever_acc: FloatArray, body_acc: FloatArray, rate_hz: float, geometry: ScooterGeometry
+    lever_acc: FloatArray,
+    body_acc: FloatArray,
+    rate_hz: float,
+    geometry: ScooterGeometry,
+    mean_s: float = MEAN_S,
 ) -> Seen:
     """Angles of the closed form, of averaged accelerations.
 
@@ -157,6 +161,7 @@ def seen_by(
     lever_acc, body_acc : (n, 3) arrays, m/s², in {T} and {B}
     rate_hz : Hz
     geometry : ScooterGeometry
+    mean_s : s, time that they are averaged over
 
     Returns
     -------
@@ -167,7 +172,7 @@ def seen_by(
     InputError
         If gravity is missing or points the wrong way.
     """
-    lever, body = (_averaged(acc, MEAN_S, rate_hz) for acc in (lever_acc, body_acc))
+    lever, body = (_averaged(acc, mean_s, rate_hz) for acc in (lever_acc, body_acc))
     found = estimate_angles(lever, body, geometry)
     good = found.valid & np.isfinite(found.steering_rad)
     # A sample that is not trusted may lie a turn away: only its neighbours' turns are followed.

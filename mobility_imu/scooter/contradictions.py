@@ -30,7 +30,7 @@ from mobility_imu.filters import rms
 from mobility_imu.frames import FloatArray
 from mobility_imu.health import fault_of
 from mobility_imu.recording import Recording
-from mobility_imu.scooter.agreement import Lag, lag_between, twist_between
+from mobility_imu.scooter.agreement import RATE_MEAN_S, Lag, lag_between, seen_by, twist_between
 from mobility_imu.scooter.exchanges import (
     AT_ODDS,
     CLEARLY_BETTER,
@@ -499,10 +499,15 @@ def _mount_sd(mount: ScooterMount) -> float:
 def _tipped(pair: SensorPair) -> Iterator[Fault]:
     """Body that does not stand upright at the beginning, in a ride that the closed form distrusts.
 
-    Recordings begin at rest; nothing that drives stands so steep.
+    Recordings begin at rest; nothing that drives stands so steep. Controls that turn fast shorten
+    a mean of half a second, which then fits no angles either: short means show whether gravity
+    does.
     """
+    forces = pair.turned(pair.readings.acc)
+    if seen_by(*forces, pair.rate_hz, pair.geometry, RATE_MEAN_S).enough:
+        return
     first = slice(0, max(1, round(FIRST_S * pair.rate_hz)))
-    lever, body = (np.median(v[first], axis=0) for v in pair.turned(pair.readings.acc))
+    lever, body = (np.median(v[first], axis=0) for v in forces)
     right = {"body": np.array([0.0, 0.0, 1.0])}
     right["lever"] = lever_acceleration(right["body"], 0.0, 0.0, pair.geometry)
     for name, force in (("body", body), ("lever", lever)):

@@ -1,8 +1,8 @@
 """What an accelerometer of a scooter must feel: gravity, everywhere and always.
 
 A scooter neither falls nor flies, and drives slowly. So the length of what an accelerometer reads
-is gravity's, averaged over half a second to within what driving adds, and its readings are new ones
-at each sample.
+is gravity's, to within what shaking, turning and driving add, and its readings are new ones at each
+sample.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ __all__ = [
     "held_faults",
     "held_samples",
     "is_wrong_length",
-    "length_at_rest",
+    "length_of_gravity",
     "scale_fault",
     "weightless",
     "wrong_length",
@@ -43,7 +43,7 @@ __all__ = [
 ]
 
 MEAN_S = 0.5
-"""Lengths are averaged over this: blows last shorter."""
+"""Readings are averaged over this, or their lengths: blows last shorter."""
 LEAST_FORCE = 0.5
 """Part of gravity below which no mean length can be: a scooter that drops off a kerb of 0.1 m falls
 for 0.14 s, which leaves 0.7."""
@@ -81,8 +81,15 @@ def forceless(acc_mps2: FloatArray, sampling_rate_hz: float) -> NDArray[np.bool_
     return np.asarray(lost | beside)
 
 
-def length_at_rest(acc_mps2: FloatArray, sampling_rate_hz: float) -> float:
-    """Length that an accelerometer reads of gravity: the median of its averaged readings.
+def length_of_gravity(acc_mps2: FloatArray, sampling_rate_hz: float) -> float:
+    """Length that an accelerometer reads of gravity, as near to the right one as it may be.
+
+    A mean of half a second is right where the sensor is shaken, and too short where it turns: by
+    sin(x) / x, with x half the turn, so by 1.2 for a sensor that turns at 240 deg/s. The length of
+    a single reading does not change with a turn; shaking across gravity makes it longer, and so
+    does a lever arm in a turn. What is read of gravity lies between the medians of both. In rides
+    they are within 3 % of each other (simulated on all courses, seeds 930,000 to 930,003); on cars'
+    and chairs' wheels in recordings of others the second is up to 3.6 times the first, and right.
 
     Parameters
     ----------
@@ -95,7 +102,8 @@ def length_at_rest(acc_mps2: FloatArray, sampling_rate_hz: float) -> float:
     """
     width = max(1, round(MEAN_S * sampling_rate_hz))
     mean = ndimage.uniform_filter1d(acc_mps2, width, axis=0)
-    return float(np.median(np.linalg.norm(mean, axis=1)))
+    both = (np.median(np.linalg.norm(vectors, axis=1)) for vectors in (mean, acc_mps2))
+    return float(np.clip(STANDARD_GRAVITY_MPS2, *sorted(both)))
 
 
 def wrong_length(acc_mps2: FloatArray, sampling_rate_hz: float) -> float | None:
@@ -113,7 +121,7 @@ def wrong_length(acc_mps2: FloatArray, sampling_rate_hz: float) -> float | None:
     felt = ~forceless(acc_mps2, sampling_rate_hz)
     if not felt.any():
         return None
-    length = length_at_rest(acc_mps2[felt], sampling_rate_hz)
+    length = length_of_gravity(acc_mps2[felt], sampling_rate_hz)
     return length if is_wrong_length(length) else None
 
 
@@ -222,7 +230,7 @@ def weightless(recording: Recording, name: str) -> Fault | None:
     """
     acc, rate_hz = recording.sensor(name).acc_mps2, recording.sampling_rate_hz
     lost = forceless(acc, rate_hz)
-    if not lost.any() or length_at_rest(acc, rate_hz) < LEAST_FORCE * STANDARD_GRAVITY_MPS2:
+    if not lost.any() or length_of_gravity(acc, rate_hz) < LEAST_FORCE * STANDARD_GRAVITY_MPS2:
         return None  # in g, or dead: the estimate is refused
     return fault_of(
         recording, "no gravity", f"{name}_acc", lost,

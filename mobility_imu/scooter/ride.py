@@ -39,6 +39,7 @@ from mobility_imu.scooter.fusion_noise import acceleration_noise, smallest_step
 from mobility_imu.scooter.fusion_settings import SETTING_LIMITS, FusionSettings
 from mobility_imu.scooter.geometry import ScooterGeometry
 from mobility_imu.scooter.mount import ScooterMount
+from mobility_imu.scooter.uncertain import uncertain_angles
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,7 +49,7 @@ __all__ = ["LOSSES", "Remark", "RideAngles", "RideSettings", "estimate_ride", "u
 Method = Literal["closed-form", "fusion"]
 LOSSES = {"frozen": "frozen", "range": "saturated", "no gravity": "weightless"}
 """Words for the faults of an accelerometer that take some samples from it."""
-REMARKS = (*LOSSES, "scale", "accelerated", "estimate", "settings")
+REMARKS = (*LOSSES, "scale", "accelerated", "estimate", "uncertain", "settings")
 """Codes of the remarks."""
 LARGEST_STATED_MPS2 = 100.0
 """Largest noise of an accelerometer that settings may state."""
@@ -139,7 +140,8 @@ class Remark(NamedTuple):
     ----------
     code : "frozen", "range", "no gravity" or "scale", as the :class:`~mobility_imu.faults.Fault` of
         the same kind; "accelerated" of sensors that were pushed; "estimate" of angles that few
-        samples show or that contradict the readings; "settings" of what a setting says
+        samples show or that contradict the readings; "uncertain" of angles that are so by more than
+        the paper's errors; "settings" of what a setting says
     sensor : accelerometer that it is about, such as "lever_acc"; empty for the ride
     sentence : for the user
     """
@@ -325,6 +327,9 @@ def _estimate(
     if valid.mean() < LEAST_VALID and not odds:
         few = f"{ride.source}: {_few_valid(valid, settings.method)}"
         remarks.append(Remark("estimate", "", few))
+    else:
+        vague = uncertain_angles(steering_sd, throttle_sd, valid & usable)
+        remarks += [Remark("uncertain", "", f"{ride.source}: {text}") for text in vague]
     return RideAngles(
         ride.time_s,
         steering,

@@ -47,6 +47,14 @@ def test_a_fault_is_told_once_with_its_cost(tmp_path, works, fails, how, says):
     fails(*line, "--strict", says=["bad.csv: lever"])
 
 
+@pytest.mark.usefixtures("simulated")
+def test_an_uncertain_angle_is_told_and_no_fault(works):
+    """A stated noise of 0.6 m/s² leaves the steering uncertain by more than 10 deg."""
+    line = [*angles("ride.csv.gz", "geometry.toml"), "--acc-noise-mps2"]
+    told = works(*line, "0.6", "--strict").stderr
+    assert "the steering is uncertain by 1" in told and "nine of ten errors" in told
+
+
 def frozen_body(ride):
     names = [name for name in ride if name.startswith("body_acc")]
     ride.loc[20:, names] = ride.loc[20, names].to_numpy()

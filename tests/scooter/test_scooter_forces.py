@@ -18,6 +18,7 @@ from mobility_imu.reproduction.scooter.fault_cases import ride_of
 from mobility_imu.scooter import (
     SUZUKI_ET4D,
     RideSettings,
+    ScooterGeometry,
     estimate_ride,
     find_faults,
     mark_faults,
@@ -138,6 +139,70 @@ def test_the_limits_leave_room_for_every_length_that_sensors_have_read():
 @pytest.mark.parametrize("factor", [0.87, 1.0, 1.1])
 def test_lengths_that_sensors_of_others_read_are_right(factor):
     assert wrong_length(factor * ride().sensor("lever").acc_mps2, 100.0) is None
+
+
+def swung(fastest_degps, arm_m, middle_deg=0.0):
+    """Lever on a parked scooter that swings by 90 deg to both sides, for 20 s; its throttle, rad.
+
+    Sound sensors without mounting errors; the lever's is at a distance above the hinge.
+    """
+    time_s, rng, none = np.arange(2000) / 100, np.random.default_rng(4), np.zeros(2000)
+    swing_radps = np.deg2rad(fastest_degps) / (np.pi / 2)
+    swing = np.pi / 2 * np.sin(swing_radps * time_s)
+    throttle = swing + np.deg2rad(middle_deg)
+    rate = np.pi / 2 * swing_radps * np.cos(swing_radps * time_s)
+    gravity = STANDARD_GRAVITY_MPS2
+    along = -gravity * np.sin(throttle) - arm_m * swing_radps**2 * swing
+    up = gravity * np.cos(throttle) - arm_m * rate**2
+    series = {
+        "lever": ([none, along, up], [-rate, none, none]),
+        "body": ([none, none, none + gravity], [none, none, none]),
+    }
+    sensors = {
+        name: Imu(*(np.transpose(half) + rng.normal(0, 0.01, (2000, 3)) for half in halves))
+        for name, halves in series.items()
+    }
+    return Recording(time_s, sensors), throttle
+
+
+SWINGS = pytest.mark.parametrize(("fastest_degps", "arm_m"), [(240, 0.0), (450, 0.0), (450, 0.05)])
+
+
+@SWINGS
+def test_a_turn_does_not_shorten_gravity(fastest_degps, arm_m):
+    """Means over half a second of these swings are 8 to 23 % too short."""
+    acc = swung(fastest_degps, arm_m)[0].sensor("lever").acc_mps2
+    mean = np.linalg.norm(ndimage.uniform_filter1d(acc, 50, axis=0), axis=1)
+    assert np.median(mean) < 0.93 * STANDARD_GRAVITY_MPS2
+    assert wrong_length(acc, 100.0) is None
+
+
+@SWINGS
+@pytest.mark.parametrize("factor", [0.6, 0.7, 2.0])
+def test_a_scale_is_found_in_a_fast_turn(fastest_degps, arm_m, factor):
+    """Too small by 7 % on an arm of 5 cm, where the turn adds up to 3 m/s²; too large to within
+    what the turn shortens."""
+    length = wrong_length(factor * swung(fastest_degps, arm_m)[0].sensor("lever").acc_mps2, 100.0)
+    told = length / (factor * STANDARD_GRAVITY_MPS2)
+    assert (1 < told < 1.08) if factor < 1 and arm_m else (0.75 < told < 1.01)
+    assert factor > 1 or arm_m or told == pytest.approx(1, abs=0.01)
+
+
+@pytest.mark.parametrize(("settings", "arm_m"), [(FUSION, 0.05), (CLOSED, 0.0)])
+def test_a_lever_that_turns_fast_is_valid(settings, arm_m):
+    """The closed form has no lever arm."""
+    recording, throttle = swung(450, arm_m)
+    found = estimate_ride(recording, ScooterGeometry(np.deg2rad(20), 0.0), None, settings)
+    assert found.warnings == () and found.valid.mean() > 0.98
+    apart_deg = np.rad2deg(found.throttle_rad - throttle)[found.valid]
+    assert np.sqrt(np.mean(apart_deg**2)) < 2  # 24 deg is what two samples' delay would be
+
+
+@METHODS
+def test_a_lever_that_turns_fast_is_not_mounted_wrongly(settings):
+    """Means of half a second are too short for angles, and the lever never is at zero for long."""
+    recording, _ = swung(450, 0.0, middle_deg=60.0)
+    assert find_faults(recording, ScooterGeometry(np.deg2rad(20), 0.0), None, settings) == ()
 
 
 def slipped(recording, sensor, axis, angle_deg, at_s):

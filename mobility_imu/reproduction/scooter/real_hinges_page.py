@@ -60,11 +60,8 @@ HELD_BACK = (
     HeldBackRow("roll_fast", "steering", 3.6, 0.46, 0.63, 7.59, 1.13, 1.00),
     HeldBackRow("roll_fast", "throttle", 5.7, 0.35, 0.50, 3.25, 0.99, 0.98),
 )
-"""Recordings held back, by the fusion before and after it was changed.
-
-Of all samples with a reference: after, no sample of ``roll_fast`` is valid, as its lever's
-accelerometer counts as out of scale.
-"""
+"""Recordings held back, by the fusion before and after it was changed; all samples with a
+reference."""
 UNSMOOTHED_DEG = {
     "trial1_rigid": (1.53, 2.38), "trial1_foam": (5.71, 5.83),
     "pitch_slow": (2.69, 0.82), "pitch_medium": (1.00, 2.89),
@@ -73,7 +70,8 @@ UNSMOOTHED_DEG = {
 }  # fmt: skip
 """Errors in deg, steering and throttle, by the fusion after, its accelerations not smoothed."""
 ROLL_FAST_GRAVITY_MPS2 = 8.10
-"""Gravity that the lever's accelerometer reads in ``roll_fast``, by the alarm on its scale."""
+"""Median length of the lever's acceleration in ``roll_fast``, averaged over half a second: turns
+shorten a mean."""
 ROLL_FAST_SCALE_PERCENT = (2.8, 0.8)
 """Errors of scale of two axes of that sensor, by a fit to gravity at the encoder's angles."""
 QMT_FOAM_STEERING_DEG = (4.4, 4.6)
