@@ -72,6 +72,8 @@ UNSMOOTHED_DEG = {
 ROLL_FAST_GRAVITY_MPS2 = 8.10
 """Median length of the lever's acceleration in ``roll_fast``, averaged over half a second: turns
 shorten a mean."""
+ROLL_FAST_RATE_DEGPS = 321.0
+"""Median rate of that sensor."""
 ROLL_FAST_SCALE_PERCENT = (2.8, 0.8)
 """Errors of scale of two axes of that sensor, by a fit to gravity at the encoder's angles."""
 QMT_FOAM_STEERING_DEG = (4.4, 4.6)
