@@ -104,20 +104,22 @@ def summary(output: str) -> str:
     return output.strip().splitlines()[-1].strip("= ")
 
 
+def compile_first(step: Step, python: Path | str, folder: Path, **environment: str) -> None:
+    """Run the tests that compare processes once, whatever comes out, so that later ones load.
+
+    A process that compiles the walker's filter calls its small functions otherwise than one that
+    loads it: where they are not inlined, as with checked indices or an old numba, the two contract
+    products and sums differently, and the last digits differ.
+    """
+    tests = "tests/test_executors.py"
+    step.run(python, *SUITE, tests, cwd=folder, codes=(0, 1), **environment)
+
+
 def bounds(step: Step) -> str:
     """Suite with numba's checks of every index."""
     checked = {"NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": str(step.folder / "numba")}
-    # With the checks, small functions of the walker's filter are not inlined any more. A process
-    # that compiles the filter calls the code that it made for them, one that loads the filter calls
-    # the copies in it; the two contract products and sums differently. So that processes can be
-    # compared byte by byte, a first run compiles, and the second, which counts, loads.
-    processes = "tests/test_executors.py"
-    for codes in ((0, 1), (0,)):
-        step.run(sys.executable, *SUITE, processes, cwd=ROOT, codes=codes, **checked, **ONE_THREAD)
-    found = step.run(
-        *(sys.executable, *WHOLE, "--ignore", processes), cwd=ROOT, **checked, **ONE_THREAD
-    )
-    return summary(found)
+    compile_first(step, sys.executable, ROOT, **checked, **ONE_THREAD)
+    return summary(step.run(*(sys.executable, *WHOLE), cwd=ROOT, **checked, **ONE_THREAD))
 
 
 def nonumba(step: Step) -> str:
@@ -137,16 +139,16 @@ def lowest(step: Step) -> str:
         f"{sources}[dev]",
         VIRTUAL_ENV=str(step.folder / "lowest"),
     )
-    found = step.run(
-        *(step.folder / "lowest/bin/python", *WHOLE),
-        cwd=sources,
-        PYTHONPATH=str(sources),
+    python = step.folder / "lowest/bin/python"
+    environment = {
+        "PYTHONPATH": str(sources),
         # Oldest versions here, newest beneath them: what those call deprecated is not our fault.
-        PYTEST_ADDOPTS="-o filterwarnings=ignore",
-        NUMBA_CACHE_DIR=str(step.folder / "numba"),
+        "PYTEST_ADDOPTS": "-o filterwarnings=ignore",
+        "NUMBA_CACHE_DIR": str(step.folder / "numba"),
         **ONE_THREAD,
-    )
-    return summary(found)
+    }
+    compile_first(step, python, sources, **environment)
+    return summary(step.run(python, *WHOLE, cwd=sources, **environment))
 
 
 def examples(page: str) -> list[str]:
