@@ -61,12 +61,13 @@ def _leave(code: object) -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         for number in (getattr(signal, name, None) for name in ENDINGS):
             if number is not None and signal.getsignal(number) is _interrupt:
-                signal.signal(number, signal.SIG_DFL)
+                signal.signal(number, signal.SIG_IGN)
     if code == INTERRUPTED:
         # The interpreter would end itself with a signal, if a library saw the interrupt too.
         with suppress(OSError, AttributeError):
             sys.stderr.flush()
         if _ended_by:
+            signal.signal(_ended_by[0], signal.SIG_DFL)
             os.kill(os.getpid(), _ended_by[0])
         os._exit(INTERRUPTED)
     sys.exit(code)  # type: ignore[arg-type]

@@ -135,6 +135,8 @@ def _run() -> tuple[int, str]:
     except OSError as error:
         return _failed_stream(error)
     except Exception as error:
+        if _is_interrupted(error):
+            return INTERRUPTED, "interrupted"
         message = _of_arguments(error) or _of_loading(error) or _of_arithmetic(error)
         if message is None:
             raise
@@ -229,6 +231,13 @@ def _of_arguments(error: Exception) -> str | None:
     if of_recordings and message.startswith("Got unexpected extra argument"):
         message += "; several files of one recording are one name: frame=f.csv,left_wheel=l.csv"
     return message
+
+
+def _is_interrupted(error: BaseException | None) -> bool:
+    """Whether an interrupt is behind an error, as of a library that was being loaded."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 def _of_loading(error: Exception) -> str | None:

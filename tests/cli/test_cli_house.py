@@ -14,6 +14,7 @@ import pytest
 from command_lines import angles, contents
 
 import mobility_imu.__main__ as module
+from mobility_imu import readers
 
 # Names and numbers as people mistype them.
 
@@ -164,6 +165,18 @@ def test_an_ending_that_python_drops_comes_again(monkeypatch):
         if sent:
             break
     assert (sent, module._ended_by) == ([15], [])
+
+
+def test_an_interrupt_that_a_library_makes_an_error_of_its_loading(room, run, monkeypatch):
+    def load(*arguments, **options):
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            raise ImportError("initialization failed") from error
+
+    monkeypatch.setattr(readers, "read_recording", load)
+    result = run(*angles())
+    assert (result.returncode, result.stderr) == (130, "mobility-imu: interrupted\n")
 
 
 # Standard output that takes nothing.
