@@ -6,17 +6,22 @@ from __future__ import annotations
 import sys
 
 INTERRUPTED = 130
+ENDINGS = ("SIGTERM", "SIGHUP")
+"""Signals of a scheduler that ends a process, and of a terminal that is closed."""
+_ended_by: list[int] = []
 
 
 def main() -> None:
     """Run the command line as a process of its own.
 
     An interrupt ends it with exit code 130 and one line, also while libraries are still being
-    loaded. Once the command has ended, an interrupt changes nothing any more.
+    loaded. A signal that ends processes leaves nothing behind either; whoever sent it sees that the
+    process ended by it. Once the command has ended, an interrupt changes nothing any more.
     """
     code: object = 0
     try:
         sys.unraisablehook = _deliver_interrupts
+        _hear_endings()
         from mobility_imu.cli.main import main as run
 
         run()
@@ -29,6 +34,23 @@ def main() -> None:
     _leave(code)
 
 
+def _hear_endings() -> None:
+    """Let signals that end the process be interrupts, unless they are ignored, as by ``nohup``."""
+    import signal
+    from contextlib import suppress
+
+    for number in (getattr(signal, name, None) for name in ENDINGS):
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+            with suppress(ValueError):  # signals can be set in the main thread only
+                signal.signal(number, _interrupt)
+
+
+def _interrupt(number: int, frame: object) -> None:
+    if not _ended_by:  # ``timeout`` sends it twice, which must not stop the tidying up
+        _ended_by.append(number)
+        raise KeyboardInterrupt
+
+
 def _leave(code: object) -> None:
     """End the process with an exit code."""
     import os
@@ -37,10 +59,16 @@ def _leave(code: object) -> None:
 
     with suppress(ValueError):  # signals can be set in the main thread only
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+        for number in (getattr(signal, name, None) for name in ENDINGS):
+            if number is not None and signal.getsignal(number) is _interrupt:
+                signal.signal(number, signal.SIG_IGN)
     if code == INTERRUPTED:
         # The interpreter would end itself with a signal, if a library saw the interrupt too.
         with suppress(OSError, AttributeError):
             sys.stderr.flush()
+        if _ended_by:
+            signal.signal(_ended_by[0], signal.SIG_DFL)
+            os.kill(os.getpid(), _ended_by[0])
         os._exit(INTERRUPTED)
     sys.exit(code)  # type: ignore[arg-type]
 
@@ -52,8 +80,9 @@ def _deliver_interrupts(unraisable: sys.UnraisableHookArgs) -> None:
         import signal
         import threading
 
+        again = _ended_by.pop() if _ended_by else signal.SIGINT
         # From another thread: here it would be dropped again.
-        threading.Timer(0.02, os.kill, (os.getpid(), signal.SIGINT)).start()
+        threading.Timer(0.02, os.kill, (os.getpid(), again)).start()
     else:
         sys.__unraisablehook__(unraisable)
 

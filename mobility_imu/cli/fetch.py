@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
@@ -45,10 +46,24 @@ def fetch(
     """
     if listing == (name is not None):
         raise InputError("give the name of one data set, or --list to see them all")
+    _check_cache()
     if name is None:
         _list()
     else:
         _fetch(name)
+
+
+def _check_cache() -> None:
+    """Check that the cache's folder has a name, which one below a removed folder has not."""
+    from mobility_imu.datasets.folders import CACHE_VARIABLE, cache_folder
+
+    try:
+        cache_folder()
+    except FileNotFoundError:
+        raise InputError(
+            f"{CACHE_VARIABLE} = {os.environ.get(CACHE_VARIABLE)}: the current folder does not "
+            "exist any more; change to one that does, or name a folder from the root on"
+        ) from None
 
 
 def _list() -> None:

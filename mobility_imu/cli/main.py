@@ -9,7 +9,7 @@ import sys
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cache
 from itertools import pairwise
@@ -25,6 +25,7 @@ from mobility_imu.cli.read import read
 from mobility_imu.cli.reproduce import reproduce
 from mobility_imu.cli.scooter import app as scooter_app
 from mobility_imu.cli.simulate import app as simulate_app
+from mobility_imu.cli.typed import given_options, no_number, wrong_dash
 from mobility_imu.cli.walker import app as walker_app
 from mobility_imu.cli.wheelchair import app as wheelchair_app
 from mobility_imu.errors import MobilityImuError, missing_extra
@@ -71,6 +72,9 @@ def main() -> None:
         with suppress(AttributeError, ValueError):
             # A terminal that lacks a character shows its code instead.
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    # Other libraries log what is not for users, such as a cache that cannot be kept.
+    silent = logging.NullHandler()
+    logging.getLogger().addHandler(silent)
     # Collected: when a command fails, its error is the only line.
     with warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
@@ -81,6 +85,7 @@ def main() -> None:
             code, message = _run()
         finally:
             log.removeHandler(steps)
+            logging.getLogger().removeHandler(silent)
             sys.stdout, sys.stderr = stdout, stderr  # the application may wrap them
     if code == DONE:
         for warning in _own(heard):
@@ -93,15 +98,12 @@ def main() -> None:
 def _run() -> tuple[int, str]:
     """Run the application; returns the exit code and, unless that is 0, the message."""
     valued = _options_with_values()
-    # As a path an empty value would be the current folder; others are checked by their options.
-    for before, here in pairwise(sys.argv):
-        name = before if not here else here[:-1] if here.endswith("=") else ""
-        if name in valued and _takes_path(name):
-            return AT_FAULT, f"{valued[name]}: the name is empty; the current folder is '.'"
-        if name not in valued and not here:
-            return AT_FAULT, "an argument is empty; the current folder is '.'"
     pairs = _paired_flags()
-    given = Counter(_given(sys.argv[1:], valued, {name for pair in pairs for name in pair}))
+    message = _of_slips(valued)
+    if message is not None:
+        return AT_FAULT, message
+    flags = {name for pair in pairs for name in pair}
+    given = Counter(name for name, _ in given_options(sys.argv[1:], valued, flags))
     warn(
         f"{name} is given {given[name]} times; the last one counts"
         for name in dict.fromkeys(valued.values())
@@ -133,13 +135,34 @@ def _run() -> tuple[int, str]:
     except OSError as error:
         return _failed_stream(error)
     except Exception as error:
-        message = _of_arguments(error) or _of_arithmetic(error)
+        if _is_interrupted(error):
+            return INTERRUPTED, "interrupted"
+        message = _of_arguments(error) or _of_loading(error) or _of_arithmetic(error)
         if message is None:
             raise
         return AT_FAULT, message
     if code == INTERRUPTED:
         return INTERRUPTED, "interrupted"
     return (code if isinstance(code, int) else DONE), ""
+
+
+def _of_slips(valued: dict[str, str]) -> str | None:
+    """Message for what would be taken for something else than was meant, None if there is none."""
+    # As a path an empty value would be the current folder; others are checked by their options.
+    for before, here in pairwise(sys.argv):
+        name = before if not here else here[:-1] if here.endswith("=") else ""
+        if name in valued and _takes(name, Path):
+            return f"{valued[name]}: the name is empty; the current folder is '.'"
+        if name not in valued and not here:
+            return "an argument is empty; the current folder is '.'"
+    names = {name for command in _commands() for option in command.params for name in _all(option)}
+    numbers = {name for name in valued.values() if _takes(name, int) or _takes(name, float)}
+    return wrong_dash(sys.argv[1:], valued, names) or no_number(sys.argv[1:], valued, numbers)
+
+
+def _all(option: Any) -> Iterator[str]:
+    """Names of an option; an argument has none."""
+    yield from (name for name in (*option.opts, *option.secondary_opts) if name.startswith("-"))
 
 
 @cache
@@ -177,37 +200,15 @@ def _paired_flags() -> set[tuple[str, str]]:
     }
 
 
-def _takes_path(name: str) -> bool:
-    """Whether an option of some command takes a path."""
+def _takes(name: str, what: type) -> bool:
+    """Whether an option of some command takes a path, or a number."""
     kinds = [
         get_type_hints(command.callback)[option.name]
         for command in _commands()
         for option in command.params
         if name in option.opts
     ]
-    return any(Path in (kind, *get_args(kind)) for kind in kinds)
-
-
-def _given(
-    arguments: Sequence[str], valued: Mapping[str, str], flags: Collection[str] = ()
-) -> Iterator[str]:
-    """Options with values, and flags, that stand in a command line, each as often as it does."""
-    waiting = iter(arguments)
-    for argument in waiting:
-        if argument == "--":  # what follows are arguments
-            return
-        name = argument.partition("=")[0] if argument.startswith("--") else ""
-        apart = name == argument
-        if argument.startswith("-") and not argument.startswith("--"):
-            # Letters of flags may stand before that of the option, and its value behind.
-            k = next((k for k in range(1, len(argument)) if f"-{argument[k]}" in valued), 0)
-            name, apart = f"-{argument[k]}", k == len(argument) - 1
-        if argument in flags:
-            yield argument
-        elif name in valued:
-            yield valued[name]
-            if apart:
-                next(waiting, None)
+    return any(what in (kind, *get_args(kind)) for kind in kinds)
 
 
 def _of_arguments(error: Exception) -> str | None:
@@ -230,6 +231,32 @@ def _of_arguments(error: Exception) -> str | None:
     if of_recordings and message.startswith("Got unexpected extra argument"):
         message += "; several files of one recording are one name: frame=f.csv,left_wheel=l.csv"
     return message
+
+
+def _is_interrupted(error: BaseException | None) -> bool:
+    """Whether an interrupt is behind an error, as of a library that was being loaded."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
+
+
+def _of_loading(error: Exception) -> str | None:
+    """Message for a library that is there and cannot be loaded, None for another error."""
+    frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
+    names = [str(frame.f_globals.get("__name__", "")).partition(".")[0] for frame in frames]
+    last = max(
+        (k for k, name in enumerate(names) if name == __package__.partition(".")[0]), default=-1
+    )
+    # What runs first behind our own line is the library, if that line imports one.
+    behind = [k for k in range(last + 1, len(frames)) if names[k] != "importlib"]
+    if not behind or frames[behind[0]].f_code.co_name != "<module>":
+        return None
+    library = names[behind[0]]
+    why = next(
+        (line.strip() for line in str(error).splitlines() if line.strip()), "no reason given"
+    )
+    do = "; MOBILITY_IMU_NO_NUMBA=1 does without it" if library == "numba" else ""
+    return f"{library} cannot be loaded ({why}); mend it, or what the environment tells it{do}"
 
 
 def _of_arithmetic(error: Exception) -> str | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -28,14 +30,62 @@ def written(name: str) -> Path:
     Raises
     ------
     BadParameter
-        If the name is a hyphen.
+        If the name is a hyphen, or begins with an equals sign, as of ``-o=a.csv``.
     """
+    if name.startswith("="):
+        raise typer.BadParameter(
+            f"{name!r} begins with an equals sign, which stands behind a long name only; write "
+            f"-o {name[1:]} (./{name} for a file that is called so)"
+        )
     if name == "-":
         raise typer.BadParameter(
             "'-' is no file, and nothing is written to standard output; give a name "
             "(./- for a file that is called so)"
         )
     return Path(name)
+
+
+def written_file(name: str) -> Path:
+    """Path of a file to write, which a folder's name is not.
+
+    Parameters
+    ----------
+    name : as typed
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    BadParameter
+        As :func:`written`; and if the name ends as that of a folder.
+    """
+    path = written(name)
+    if re.search(r"[/\\]\.?$" if os.sep == "\\" else r"/\.?$", name) and path.name:
+        raise typer.BadParameter(
+            f"{name!r} ends as the name of a folder does; expected the name of a file to write"
+        )
+    return path
+
+
+def picture_file(name: str) -> Path:
+    """Path of a picture to write; its ending is looked at by the command.
+
+    Parameters
+    ----------
+    name : as typed
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    BadParameter
+        If the name ends as that of a folder.
+    """
+    return Path(name) if name == "-" else written_file(name)
 
 
 def table_file(name: str) -> Path:
@@ -54,7 +104,7 @@ def table_file(name: str) -> Path:
     BadParameter
         If the name is a hyphen, or says that it is another kind of file.
     """
-    path = written(name)
+    path = written_file(name)
     if path.suffix.lower() in OTHER_FORMATS:
         raise typer.BadParameter(
             f"tables are written as CSV, and {path.name} would be no {path.suffix[1:]} file; "
@@ -65,7 +115,7 @@ def table_file(name: str) -> Path:
 
 Output = Annotated[
     Path,
-    typer.Option("--output", "-o", help="File to write.", parser=written, metavar="PATH"),
+    typer.Option("--output", "-o", help="File to write.", parser=written_file, metavar="PATH"),
 ]
 Table = Annotated[
     Path,

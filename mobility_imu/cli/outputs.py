@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import typer
+
 from mobility_imu.errors import InputError
 from mobility_imu.files import Outputs, csv_bytes
 
@@ -72,6 +74,28 @@ def check_kinds(outputs: Mapping[str, Path | None], kind: str = TABLE) -> None:
                 f"{option} {path}: is to be {kind}, and its name says {ending[1:]}; expected a "
                 f"name that ends in {' or '.join(ENDINGS[kind])}"
             )
+
+
+def print_and_write(text: str, outputs: Outputs, contents: Mapping[Path, bytes]) -> None:
+    """Print, and write files; what cannot be printed leaves no file behind.
+
+    Where nobody reads the text any more, as behind ``| head``, the files are written all the same.
+
+    Parameters
+    ----------
+    text : for standard output
+    outputs : checked before the work
+    contents : as ``Outputs.write`` takes them
+    """
+    unread = None
+    try:
+        typer.echo(text)
+    except BrokenPipeError as error:
+        unread = error
+    if contents:
+        outputs.write(contents)
+    if unread is not None:
+        raise unread
 
 
 def table_bytes(table: pd.DataFrame, path: Path) -> bytes:

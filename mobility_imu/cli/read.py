@@ -10,7 +10,7 @@ import typer
 from mobility_imu.cli.inputs import check_reading
 from mobility_imu.cli.messages import summarize, warn
 from mobility_imu.cli.options import FillGaps, Quiet, Rate, table_file
-from mobility_imu.cli.outputs import checked_outputs, table_bytes
+from mobility_imu.cli.outputs import checked_outputs, print_and_write, table_bytes
 
 if TYPE_CHECKING:
     from mobility_imu.readers.recordings import Reading
@@ -65,9 +65,8 @@ def read(
     warn(found.warnings)
     warn(fault.sentence for fault in examine(found.recording))
     text = reading_text(found)
-    if output is not None:
-        outputs.write({output: table_bytes(found.recording.to_frame(), output)})
-    typer.echo(text)
+    table = {} if output is None else {output: table_bytes(found.recording.to_frame(), output)}
+    print_and_write(text, outputs, table)
     if output is None:
         summarize([read_line(found.recording)], quiet)
         return

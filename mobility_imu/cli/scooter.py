@@ -27,7 +27,7 @@ from mobility_imu.cli.options import (
     sub_app,
     table_file,
 )
-from mobility_imu.cli.outputs import MOUNT, checked_outputs, table_bytes
+from mobility_imu.cli.outputs import MOUNT, checked_outputs, print_and_write, table_bytes
 from mobility_imu.errors import InputError
 
 if TYPE_CHECKING:
@@ -338,11 +338,9 @@ def check(
     tell_faults(faults, strict)
     with naming(faults):
         found = check_poses(recording, set_rad, scooter, mount, settings)
-    written = []
-    if output is not None:
-        outputs.write({output: table_bytes(found.to_frame(), output)})
-        written.append(written_line([output]))
-    typer.echo(check_text(found))
+    table = {} if output is None else {output: table_bytes(found.to_frame(), output)}
+    print_and_write(check_text(found), outputs, table)
+    written = [] if output is None else [written_line([output])]
     summarize([read_line(recording), *pose_check_lines(found), *written], quiet)
 
 

@@ -56,10 +56,11 @@ NEXT = {
 
 
 def _summarize(device: str, folder: Path, seed: int, names: Sequence[str], quiet: bool) -> None:
+    typed = f"./{folder}" if str(folder).startswith("-") else str(folder)
     lines = [
         f"simulated with seed {seed}: {', '.join(names)}",
         f"written: {folder}",
-        f"next: {NEXT[device].format(shlex.quote(str(folder)))}",
+        f"next: {NEXT[device].format(shlex.quote(typed))}",
     ]
     summarize(lines, quiet)
 

@@ -10,7 +10,16 @@ import typer
 
 from mobility_imu.cli.inputs import as_typed, check_reading, naming, read_input, tell_faults
 from mobility_imu.cli.messages import summarize, warn
-from mobility_imu.cli.options import FillGaps, Quiet, Rate, Strict, Table, sub_app, table_file
+from mobility_imu.cli.options import (
+    FillGaps,
+    Quiet,
+    Rate,
+    Strict,
+    Table,
+    picture_file,
+    sub_app,
+    table_file,
+)
 from mobility_imu.cli.outputs import check_kinds, checked_outputs, table_bytes
 from mobility_imu.errors import InputError, MissingExtraError, needs
 from mobility_imu.files import Outputs, figure_bytes
@@ -312,6 +321,12 @@ Events = Annotated[
         metavar="PATH",
     ),
 ]
+Picture = Annotated[
+    Path | None,
+    typer.Option(
+        help="Also draw the chronogram (.png, .svg or .pdf).", parser=picture_file, metavar="PATH"
+    ),
+]
 
 
 @app.command("tasks")
@@ -324,9 +339,7 @@ def tasks(
     edge: Annotated[
         Edge, typer.Option(help="First frames: windows that cover them, or as the public tool.")
     ] = "covering",
-    figure: Annotated[
-        Path | None, typer.Option(help="Also draw the chronogram (.png, .svg or .pdf).")
-    ] = None,
+    figure: Picture = None,
     events: Events = None,
     direction: Annotated[
         bool, typer.Option("--direction", help="Add a column with the direction of rotations.")
@@ -486,5 +499,11 @@ def _chronogram(found: Tasks, path: Path) -> bytes:
     )
     try:
         return figure_bytes(drawing, path)
+    except RuntimeError as error:  # as of a LaTeX that is to set the text, and is not there
+        reason = str(error).partition("\n")[0]
+        raise InputError(
+            f"--figure {path}: cannot be drawn ({reason}); mend the settings of matplotlib, or "
+            "leave --figure out"
+        ) from None
     finally:
         plt.close(drawing)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
@@ -160,8 +161,7 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
         return [name for name in names if not _is_hidden(name)], lambda name: read_text(path / name)
     try:
         with zipfile.ZipFile(path) as archive:
-            names = [i.filename for i in archive.infolist() if i.filename and not i.is_dir()]
-            names = [name for name in names if not _is_hidden(name)]
+            packed = [i.filename for i in archive.infolist() if i.filename and not i.is_dir()]
     except UnicodeDecodeError:
         raise InputError(
             f"{path}: cannot be opened as an archive (the name of a file in it is not in UTF-8, as "
@@ -175,15 +175,26 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
             f"{path}: cannot be opened as an archive ({error}); is it complete?"
         ) from None
 
+    # Some programs of Windows write its separator, against the format.
+    windows = not any("/" in name for name in packed)
+    called = [name.replace("\\", "/") if windows else name for name in packed]
+    members = {name: own for name, own in zip(called, packed, strict=True) if not _is_hidden(name)}
+    often = Counter(called)
+    twice = next((name for name in members if often[name] > 1), None)
+    if twice is not None:
+        raise InputError(
+            f"{path}: holds two files called {quoted(twice)}{UNPACK} with the one that is meant"
+        )
+
     def content(name: str) -> str:
         try:
             with zipfile.ZipFile(path) as archive:
-                member = archive.getinfo(name)
+                member = archive.getinfo(members[name])
                 if member.file_size > LARGEST_MEMBER:
                     raise InputError(f"{path}/{quoted(name)}: too large for a recording")
                 if member.flag_bits & LOCKED:
                     raise InputError(f"{path}/{quoted(name)}: is locked with a password{UNPACK}")
-                return decoded(archive.read(name), f"{path}/{quoted(name)}")
+                return decoded(archive.read(member), f"{path}/{quoted(name)}")
         except InputError:
             raise
         except (OSError, ValueError, RuntimeError, OverflowError, *DAMAGED) as error:
@@ -193,7 +204,7 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
                 f"{path}/{quoted(name)}: cannot be read ({quoted(str(error), 100)}){do}"
             ) from None
 
-    return names, content
+    return list(members), content
 
 
 def _what_else(path: Path) -> str:

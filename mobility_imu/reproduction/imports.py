@@ -84,7 +84,9 @@ def called(path: Path) -> frozenset[Path]:
     -------
     frozenset of Path
     """
-    return frozenset(file for name in imported(path.read_text()) if (file := file_of(name)))
+    return frozenset(
+        file for name in imported(path.read_text(encoding="utf-8")) if (file := file_of(name))
+    )
 
 
 @cache
@@ -99,7 +101,7 @@ def loaded(path: Path) -> frozenset[Path]:
     -------
     frozenset of Path
     """
-    text = path.read_text()
+    text = path.read_text(encoding="utf-8")
     files = set(called(path)) | {file for name in named(text) if (file := file_of(name))}
     if "import_module(" in text:  # by a name that is made when it runs: all that stand beside it
         files |= set(path.parent.rglob("*.py"))

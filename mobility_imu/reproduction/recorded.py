@@ -198,7 +198,7 @@ def load_record(name: str) -> dict[str, Any]:
     path = recorded_folder() / f"{name}.json"
     if name not in STUDIES or not path.is_file():
         raise InputError(f"record {name!r}: no such record; there are {', '.join(STUDIES)}")
-    record: dict[str, Any] = json.loads(path.read_text())
+    record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return record
 
 
@@ -255,7 +255,7 @@ def write_record(name: str, executor: Any = None) -> Path | None:
     folder.mkdir(exist_ok=True)
     path = folder / f"{name}.json"
     part = path.with_suffix(".part")
-    part.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+    part.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     part.replace(path)
     return path
 
@@ -304,7 +304,7 @@ def _files(study: Study) -> set[Path]:
 
 @cache
 def _definitions(path: Path, refuses: bool) -> tuple[str, ...]:
-    return tuple(_dumped(ast.parse(path.read_text()), refuses))
+    return tuple(_dumped(ast.parse(path.read_text(encoding="utf-8")), refuses))
 
 
 def _dumped(tree: ast.Module, refuses: bool) -> Iterator[str]:

@@ -129,3 +129,34 @@ def test_canonical_tables_may_begin_with_a_mark_behind_blanks(tmp_path):
     path = dialects.canonical(made(), tmp_path)
     path.write_text("\n\ufeff\ufeff" + path.read_text(), encoding="utf-8")
     assert_same(quietly(path), made())
+
+
+def packed(path, files):
+    """Archive of these files, whose names may repeat."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that they do
+        with zipfile.ZipFile(path, "w") as out:
+            for name, content in files:
+                out.writestr(name, content)
+    return path
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Names and contents of a phone's session."""
+    (tmp_path / "session").mkdir()
+    folder = dialects.sensor_logger(made(), tmp_path / "session")
+    return [(str(f.relative_to(folder)), f.read_text()) for f in sorted(folder.rglob("*.csv"))]
+
+
+def test_names_with_the_separator_of_windows(tmp_path, files):
+    """Some programs of Windows pack them, against the format."""
+    archive = packed(tmp_path / "s.zip", [(f"Trial\\{name}", text) for name, text in files])
+    assert_same(quietly(archive, expected=("frame",)), made())
+
+
+def test_two_files_of_one_name(tmp_path, files):
+    """Python would read the last of them."""
+    archive = packed(tmp_path / "s.zip", [*files, files[0]])
+    with pytest.raises(InputError, match=r"s\.zip: holds two files called '?[A-Z]\w+\.csv"):
+        understand(archive, expected=("frame",))
