@@ -151,12 +151,12 @@ def _of_slips(valued: dict[str, str]) -> str | None:
     # As a path an empty value would be the current folder; others are checked by their options.
     for before, here in pairwise(sys.argv):
         name = before if not here else here[:-1] if here.endswith("=") else ""
-        if name in valued and _takes(name, Path):
+        if name in valued and Path in _taken()[name]:
             return f"{valued[name]}: the name is empty; the current folder is '.'"
         if name not in valued and not here:
             return "an argument is empty; the current folder is '.'"
     names = {name for command in _commands() for option in command.params for name in _all(option)}
-    numbers = {name for name in valued.values() if _takes(name, int) or _takes(name, float)}
+    numbers = {name for name in valued.values() if _taken()[name] & {int, float}}
     return wrong_dash(sys.argv[1:], valued, names) or no_number(sys.argv[1:], valued, numbers)
 
 
@@ -200,15 +200,17 @@ def _paired_flags() -> set[tuple[str, str]]:
     }
 
 
-def _takes(name: str, what: type) -> bool:
-    """Whether an option of some command takes a path, or a number."""
-    kinds = [
-        get_type_hints(command.callback)[option.name]
-        for command in _commands()
-        for option in command.params
-        if name in option.opts
-    ]
-    return any(what in (kind, *get_args(kind)) for kind in kinds)
+@cache
+def _taken() -> dict[str, set[type]]:
+    """Types of the values that options of each name take, in any command."""
+    found: dict[str, set[type]] = {}
+    for command in _commands():
+        hints = get_type_hints(command.callback) if command.callback else {}
+        for option in (option for option in command.params if option.name in hints):
+            kind = hints[option.name]
+            for name in option.opts:
+                found.setdefault(name, set()).update((kind, *get_args(kind)))
+    return found
 
 
 def _of_arguments(error: Exception) -> str | None:
