@@ -180,13 +180,12 @@ def _opened(path: Path) -> tuple[list[str], Callable[[str], str]]:
     called = [name.replace("\\", "/") if windows else name for name in packed]
     members = {name: own for name, own in zip(called, packed, strict=True) if not _is_hidden(name)}
     often = Counter(called)
-    twice = next((name for name in members if often[name] > 1), None)
-    if twice is not None:
-        raise InputError(
-            f"{path}: holds two files called {quoted(twice)}{UNPACK} with the one that is meant"
-        )
 
     def content(name: str) -> str:
+        if often[name] > 1:
+            raise InputError(
+                f"{path}: holds two files called {quoted(name)}{UNPACK} with the one that is meant"
+            )
         try:
             with zipfile.ZipFile(path) as archive:
                 member = archive.getinfo(members[name])

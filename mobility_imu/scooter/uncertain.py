@@ -41,7 +41,7 @@ def uncertain_angles(
     --------
     >>> sd_rad = np.deg2rad([13.0, 13.0, 13.0])
     >>> uncertain_angles(sd_rad, 0.1 * sd_rad, np.ones(3, bool))[0].split(",")[0]
-    'the steering is uncertain by 13 deg (median standard deviation)'
+    'the steering is uncertain by 13.0 deg (median standard deviation)'
     """
     sentences = []
     for name, sd_rad in (("steering", steering_sd_rad), ("throttle", throttle_sd_rad)):
@@ -51,7 +51,7 @@ def uncertain_angles(
         sd_deg, limit_deg = float(np.rad2deg(np.median(stated))), PAPER_ERROR_DEG[name]
         if sd_deg > limit_deg:
             sentences.append(
-                f"the {name} is uncertain by {sd_deg:.0f} deg (median standard deviation), more "
+                f"the {name} is uncertain by {sd_deg:.1f} deg (median standard deviation), more "
                 f"than the {limit_deg:.0f} deg that the paper states for nine of ten errors; "
                 f"{BETTER[name]}"
             )

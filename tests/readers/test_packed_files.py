@@ -155,6 +155,12 @@ def test_names_with_the_separator_of_windows(tmp_path, files):
     assert_same(quietly(archive, expected=("frame",)), made())
 
 
+def test_two_files_of_one_name_that_are_not_read(tmp_path, files):
+    notes = [("README.txt", "one"), ("README.txt", "two")]
+    archive = packed(tmp_path / "s.zip", [*files, *notes])
+    assert_same(quietly(archive, expected=("frame",)), made())
+
+
 def test_two_files_of_one_name(tmp_path, files):
     """Python would read the last of them."""
     archive = packed(tmp_path / "s.zip", [*files, files[0]])

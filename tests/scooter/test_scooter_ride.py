@@ -478,7 +478,7 @@ def test_a_ride_whose_angle_is_uncertain_is_told():
     found = estimate_ride(ride.recording, SUZUKI_ET4D, mount, RideSettings(method="fusion"))
     (remark,) = found.remarks
     assert remark.code == "uncertain" and found.valid.all()
-    assert "simulated ride, tactile: the steering is uncertain by 13 deg" in remark.sentence
+    assert "simulated ride, tactile: the steering is uncertain by 13." in remark.sentence
     assert rms_deg(ride, mount)[0] == pytest.approx(16, abs=1)
 
 
@@ -506,7 +506,7 @@ def test_an_angle_is_uncertain_from_the_papers_errors_on():
     sd, valid = np.deg2rad([9.0, 9.9, 40.0, 40.0, np.nan]), np.array([1, 1, 0, 0, 1], bool)
     assert uncertain_angles(sd, sd / 2, valid) == []
     told = uncertain_angles(sd + np.deg2rad(0.6), sd / 2, valid)
-    assert len(told) == 1 and told[0].startswith("the steering is uncertain by 10 deg")
+    assert len(told) == 1 and told[0].startswith("the steering is uncertain by 10.1 deg")
     assert len(uncertain_angles(sd, sd, valid)) == 1  # a throttle of 9.5 deg
     assert uncertain_angles(np.full(5, np.nan), np.full(5, np.nan), valid) == []
     assert uncertain_angles(sd, sd, np.zeros(5, bool)) == []
