@@ -60,7 +60,7 @@ def notebooks() -> list[Path]:
 
 def code_of(notebook: Path) -> str:
     """Code of a notebook; lines for IPython only are left out."""
-    cells = json.loads((ROOT / notebook).read_text())["cells"]
+    cells = json.loads((ROOT / notebook).read_text(encoding="utf-8"))["cells"]
     lines = "\n".join("".join(c["source"]) for c in cells if c["cell_type"] == "code")
     return re.sub(r"^\s*[%!].*$", "", lines, flags=re.MULTILINE)
 
@@ -176,8 +176,11 @@ def machine_code(environment: dict[str, str], *, wanted: bool) -> Iterator[None]
         return
     command = [sys.executable, str(ROOT / "book" / "machine_code.py")]
     paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", ""))))
-    with subprocess.Popen(command, env=environment | {"PYTHONPATH": paths}):
-        yield
+    with subprocess.Popen(command, env=environment | {"PYTHONPATH": paths}) as compiling:
+        try:
+            yield
+        finally:
+            compiling.terminate()  # no notebook needed what is not compiled yet
 
 
 def in_order(chosen: list[Path], first_part: int) -> list[Path]:

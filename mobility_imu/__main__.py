@@ -8,7 +8,10 @@ import sys
 INTERRUPTED = 130
 ENDINGS = ("SIGTERM", "SIGHUP")
 """Signals of a scheduler that ends a process, and of a terminal that is closed."""
-_ended_by: list[int] = []
+TWICE_S = 1.0
+"""``timeout`` sends a signal to the process and to its group, which are one more."""
+_ended_by: list[tuple[int, float]] = []
+"""Signals that ended the process, with their times."""
 
 
 def main() -> None:
@@ -46,9 +49,13 @@ def _hear_endings() -> None:
 
 
 def _interrupt(number: int, frame: object) -> None:
-    if not _ended_by:  # ``timeout`` sends it twice, which must not stop the tidying up
-        _ended_by.append(number)
-        raise KeyboardInterrupt
+    import time
+
+    now_s = time.monotonic()
+    if _ended_by and now_s - _ended_by[-1][1] < TWICE_S:
+        return  # it must not stop the tidying up
+    _ended_by.append((number, now_s))
+    raise KeyboardInterrupt
 
 
 def _leave(code: object) -> None:
@@ -67,8 +74,8 @@ def _leave(code: object) -> None:
         with suppress(OSError, AttributeError):
             sys.stderr.flush()
         if _ended_by:
-            signal.signal(_ended_by[0], signal.SIG_DFL)
-            os.kill(os.getpid(), _ended_by[0])
+            signal.signal(_ended_by[0][0], signal.SIG_DFL)
+            os.kill(os.getpid(), _ended_by[0][0])
         os._exit(INTERRUPTED)
     sys.exit(code)  # type: ignore[arg-type]
 
@@ -80,7 +87,7 @@ def _deliver_interrupts(unraisable: sys.UnraisableHookArgs) -> None:
         import signal
         import threading
 
-        again = _ended_by.pop() if _ended_by else signal.SIGINT
+        again = _ended_by.pop()[0] if _ended_by else signal.SIGINT
         # From another thread: here it would be dropped again.
         threading.Timer(0.02, os.kill, (os.getpid(), again)).start()
     else:

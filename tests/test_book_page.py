@@ -1,8 +1,9 @@
 """One page of the book by itself: what is laid out for it."""
 
 import json
+import os
 import re
-import runpy
+import subprocess
 import sys
 from pathlib import Path
 
@@ -10,8 +11,6 @@ import pytest
 import yaml
 
 from mobility_imu._compiled import HAVE_NUMBA
-from mobility_imu.scooter import fusion_filter
-from mobility_imu.walker import _kernel
 
 BOOK = Path(__file__).resolve().parents[1] / "book"
 
@@ -100,9 +99,28 @@ def test_both_cores_begin_with_what_needs_no_compiled_loops(page, monkeypatch, t
     assert order[len(plain) - half] == Path("notebooks/scooter/past_the_paper.ipynb")
 
 
+DEVICES = """
+import runpy, sys
+runpy.run_path(sys.argv[1])
+for module in (fusion_filter, _kernel):
+    for name in ("run_filter", "run_smoother"):
+        print(sum(getattr(module, name).stats.cache_hits.values()))
+"""
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not HAVE_NUMBA, reason="numba is an extra")
-def test_the_filters_are_compiled_for_the_types_that_the_devices_use():
-    runpy.run_path(str(BOOK / "machine_code.py"))
-    for name in ("run_filter", "run_smoother"):
-        assert getattr(fusion_filter, name).overloads and getattr(_kernel, name).overloads
+def test_the_filters_that_are_compiled_are_those_that_the_first_page_needs(tmp_path):
+    environment = {
+        **os.environ,
+        **{"NUMBA_CACHE_DIR": str(tmp_path), "MOBILITY_IMU_COMPILE": "always", "MPLBACKEND": "agg"},
+    }
+    subprocess.run([sys.executable, BOOK / "machine_code.py"], env=environment, check=True)
+    cells = json.loads((BOOK / "index.ipynb").read_text(encoding="utf-8"))["cells"]
+    code = next("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+    (tmp_path / "page.py").write_text(code, encoding="utf-8")
+    found = subprocess.run(
+        [sys.executable, "-c", DEVICES, tmp_path / "page.py"],
+        env=environment, check=True, capture_output=True, text=True,
+    ).stdout  # fmt: skip
+    assert found.split() == ["1"] * 4

@@ -121,7 +121,7 @@ def _run() -> tuple[int, str]:
     except MobilityImuError as error:
         return AT_FAULT, str(error)
     except ModuleNotFoundError as error:
-        missing = missing_extra(error)
+        missing = missing_extra(error) or _of_loading(error)
         if missing is None:
             raise
         return AT_FAULT, str(missing)
@@ -133,7 +133,8 @@ def _run() -> tuple[int, str]:
         _drop_stdout()
         return DONE, ""
     except OSError as error:
-        return _failed_stream(error)
+        message = _of_loading(error)
+        return _failed_stream(error) if message is None else (AT_FAULT, message)
     except Exception as error:
         if _is_interrupted(error):
             return INTERRUPTED, "interrupted"
@@ -155,9 +156,21 @@ def _of_slips(valued: dict[str, str]) -> str | None:
             return f"{valued[name]}: the name is empty; the current folder is '.'"
         if name not in valued and not here:
             return "an argument is empty; the current folder is '.'"
-    names = {name for command in _commands() for option in command.params for name in _all(option)}
+    chosen = _chosen(sys.argv[1:])
+    names = {name for command in chosen for option in command.params for name in _all(option)}
+    names.add("--help")
     numbers = {name for name in valued.values() if _taken()[name] & {int, float}}
     return wrong_dash(sys.argv[1:], valued, names) or no_number(sys.argv[1:], valued, numbers)
+
+
+def _chosen(words: list[str]) -> list[Any]:
+    """The command that a command line names, with the groups that it is in."""
+    found = [_command()]
+    for word in words:
+        inner = getattr(found[-1], "commands", {}).get(word)
+        if inner is not None:
+            found.append(inner)
+    return found
 
 
 def _all(option: Any) -> Iterator[str]:
@@ -250,7 +263,12 @@ def _of_loading(error: Exception) -> str | None:
         (k for k, name in enumerate(names) if name == __package__.partition(".")[0]), default=-1
     )
     # What runs first behind our own line is the library, if that line imports one.
-    behind = [k for k in range(last + 1, len(frames)) if names[k] != "importlib"]
+    passed = {"importlib", "scipy.__getattr__"}  # SciPy imports its parts when they are asked for
+    behind = [
+        k
+        for k in range(last + 1, len(frames))
+        if not passed & {names[k], f"{names[k]}.{frames[k].f_code.co_name}"}
+    ]
     if not behind or frames[behind[0]].f_code.co_name != "<module>":
         return None
     library = names[behind[0]]

@@ -34,8 +34,8 @@ def written(name: str) -> Path:
     """
     if name.startswith("="):
         raise typer.BadParameter(
-            f"{name!r} begins with an equals sign, which stands behind a long name only; write "
-            f"-o {name[1:]} (./{name} for a file that is called so)"
+            f"{name!r} begins with an equals sign; leave it out, or write a blank in its place "
+            f"(./{name} for a file that is called so)"
         )
     if name == "-":
         raise typer.BadParameter(

@@ -28,16 +28,23 @@ def given_options(
     for argument in waiting:
         if argument == "--":  # what follows are arguments
             return
-        name, _, value = argument.partition("=") if argument.startswith("--") else ("", "", "")
-        apart = name == argument
-        if argument.startswith("-") and not argument.startswith("--"):
-            # Letters of flags may stand before that of the option, and its value behind.
-            k = next((k for k in range(1, len(argument)) if f"-{argument[k]}" in valued), 0)
-            name, value, apart = f"-{argument[k]}", argument[k + 1 :], k == len(argument) - 1
+        name, value, apart = _option(argument, valued)
         if argument in flags:
             yield argument, ""
         elif name in valued:
             yield valued[name], next(waiting, "") if apart else value
+
+
+def _option(argument: str, valued: Mapping[str, str]) -> tuple[str, str, bool]:
+    """Name of an option and its value in one word, and whether the value is the next word."""
+    if argument.startswith("--"):
+        name, _, value = argument.partition("=")
+        return name, value, name == argument
+    if not argument.startswith("-"):
+        return "", "", False
+    # Letters of flags may stand before that of the option, and its value behind.
+    k = next((k for k in range(1, len(argument)) if f"-{argument[k]}" in valued), 0)
+    return f"-{argument[k]}", argument[k + 1 :], k == len(argument) - 1
 
 
 def wrong_dash(
@@ -59,7 +66,8 @@ def wrong_dash(
     for argument in waiting:
         if argument == "--":
             return None
-        if argument in valued:
+        option, _, apart = _option(argument, valued)
+        if apart and option in valued:
             next(waiting, None)  # a value may look like anything
             continue
         word = argument.lstrip(f"-{DASHES}")

@@ -37,6 +37,8 @@ def test_an_equals_sign_behind_a_letter(room, fails, option):
         (["\u2013o", "a.csv"], "is no hyphen; write -o"),
         (["-o", "a.csv", "\u2013\u2013strict"], "is no hyphen; write --strict"),
         (["-o", "a.csv", "\u2212\u2212method=fusion"], "is no hyphen; write --method=fusion"),
+        (["-help"], "-help: has one dash; write --help"),
+        (["\u2014help"], "is no hyphen; write --help"),
     ],
 )
 def test_dashes_that_are_wrong(room, fails, typed, says):
@@ -47,6 +49,14 @@ def test_dashes_that_are_wrong(room, fails, typed, says):
 def test_a_value_may_look_like_a_slip(room, works, name):
     works(*angles(output=name))
     assert (room / name).exists()
+    works("scooter", "angles", "ride.csv", "--geometry", "g.toml", "-qo", name)
+
+
+def test_options_of_other_commands_are_not_proposed(room, run):
+    """Here ``-p`` is unknown, and so is ``--poses``."""
+    line = ["wheelchair", "tasks", "velocity.csv", "-o", "k.csv", "-poses", "p"]
+    result = run(*line)
+    assert result.returncode == 2 and "--poses" not in result.stderr
 
 
 @pytest.mark.parametrize("name", ["new/", "new.csv/", "new.csv/.", "./new//"])
@@ -147,12 +157,15 @@ def test_a_second_signal_does_not_stop_the_tidying_up(monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         module._interrupt(15, None)
     module._interrupt(15, None)
+    monkeypatch.setattr(module, "TWICE_S", 0.0)  # a library has swallowed the first one
+    with pytest.raises(KeyboardInterrupt):
+        module._interrupt(15, None)
 
 
 def test_an_ending_that_python_drops_comes_again(monkeypatch):
     sent = []
     monkeypatch.setattr(os, "kill", lambda _, number: sent.append(number))
-    monkeypatch.setattr(module, "_ended_by", [15])
+    monkeypatch.setattr(module, "_ended_by", [(15, time.monotonic())])
     monkeypatch.setattr(sys, "unraisablehook", module._deliver_interrupts)
 
     class Dropped:
@@ -265,6 +278,39 @@ def test_a_library_that_cannot_be_loaded_is_one_line(room):
     assert result.stderr.startswith("mobility-imu: numba cannot be loaded (Number of threads")
     assert result.stderr.count("\n") == 1
     assert "MOBILITY_IMU_NO_NUMBA=1" in result.stderr
+
+
+BROKEN = """
+import importlib.util, sys
+
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == {name!r}:
+            return importlib.util.spec_from_file_location(name, {file!r})
+
+sys.meta_path.insert(0, Finder())
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "code"),
+    [
+        ("numba", "raise OSError('no shared object')"),
+        ("pandas", "import dateutil_missing"),
+        ("scipy.ndimage", "raise ImportError('libopenblas')"),
+    ],
+)
+def test_however_a_library_fails(room, name, code):
+    (room / "broken.py").write_text(code)
+    begin = BROKEN.format(name=name, file=str(room / "broken.py"))
+    begin += "import mobility_imu.__main__ as m; m.main()"
+    line = "scooter angles ride.csv --geometry g.toml --method fusion -o a.csv"
+    command = [sys.executable, "-c", begin, *line.split()]
+    variables = {**os.environ, "MOBILITY_IMU_NO_NUMBA": ""}
+    result = subprocess.run(command, cwd=room, env=variables, capture_output=True, text=True)
+    told = result.stderr.splitlines()
+    assert (result.returncode, len(told)) == (2, 1)
+    assert told[0].startswith(f"mobility-imu: {name.partition('.')[0]} cannot be loaded (")
 
 
 def test_a_cache_below_a_folder_that_was_removed(tmp_path, monkeypatch, fails):

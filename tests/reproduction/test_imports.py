@@ -47,9 +47,11 @@ def test_modules_named_as_text_are_found(quote):
 
 def test_the_package_gives_what_a_walk_over_every_node_gives():
     for path in sorted(PACKAGE.rglob("*.py"))[::8]:
-        nodes = list(ast.walk(ast.parse(path.read_text())))
+        nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
         whole = {a.name for n in nodes if isinstance(n, ast.Import) for a in n.names}
         for n in nodes:
             if isinstance(n, ast.ImportFrom) and n.module:
                 whole |= {n.module, *(f"{n.module}.{a.name}" for a in n.names)}
-        assert imported(path.read_text()) == {n for n in whole if n.split(".")[0] == PACKAGE.name}
+        assert imported(path.read_text(encoding="utf-8")) == {
+            n for n in whole if n.split(".")[0] == PACKAGE.name
+        }
