@@ -101,6 +101,8 @@ def test_both_cores_begin_with_what_needs_no_compiled_loops(page, monkeypatch, t
 
 DEVICES = """
 import runpy, sys
+from mobility_imu.scooter import fusion_filter
+from mobility_imu.walker import _kernel
 runpy.run_path(sys.argv[1])
 for module in (fusion_filter, _kernel):
     for name in ("run_filter", "run_smoother"):
