@@ -339,8 +339,19 @@ def _leave_checks_out(node: ast.AST) -> None:
     for field in ("body", "orelse", "finalbody"):
         body = getattr(node, field, None)
         if isinstance(body, list) and body:
-            kept = [part for part in body if not _only_checks(part)]
+            kept = [one for part in body for one in _without_refusals(part) if not _only_checks(one)]
             setattr(node, field, kept or [ast.Pass()])
+
+
+def _without_refusals(node: ast.stmt) -> list[ast.stmt]:
+    """What a statement tries, if all that it does about an error is to refuse; else the statement.
+
+    With and without it, an error ends the study.
+    """
+    if isinstance(node, ast.Try) and not node.orelse and not node.finalbody:
+        if all(len(one.body) == 1 and _only_checks(one.body[0]) for one in node.handlers):
+            return node.body
+    return [node]
 
 
 def _only_checks(node: ast.AST) -> bool:

@@ -43,6 +43,10 @@ def digest(code):
             "    return total",
             "    if total > 9:\n        raise InputError(f'{total}')\n    return total",
         ),
+        (
+            "    return total",
+            "    try:\n        return total\n    except ValueError:\n        raise InputError from None",
+        ),
     ],
 )
 def test_another_check_or_text_makes_no_record_stale(old, new):
@@ -63,6 +67,15 @@ def test_another_check_or_text_makes_no_record_stale(old, new):
             "if (radius := radius / 2) < 0:\n        raise InputError\n    total = 0.0",
         ),
         ("for rate in rates", "for rate in rates[1:]"),
+        (
+            "    return total",
+            "    try:\n        return total\n    except ValueError:\n        return 0.0",
+        ),
+        (
+            "    return total",
+            "    try:\n        pass\n    except ValueError:\n        raise InputError\n"
+            "    finally:\n        total = 0.0\n    return total",
+        ),
     ],
 )
 def test_whatever_computes_otherwise_makes_a_record_stale(old, new):
