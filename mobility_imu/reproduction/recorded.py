@@ -339,7 +339,9 @@ def _leave_checks_out(node: ast.AST) -> None:
     for field in ("body", "orelse", "finalbody"):
         body = getattr(node, field, None)
         if isinstance(body, list) and body:
-            kept = [one for part in body for one in _without_refusals(part) if not _only_checks(one)]
+            kept = [
+                one for part in body for one in _without_refusals(part) if not _only_checks(one)
+            ]
             setattr(node, field, kept or [ast.Pass()])
 
 

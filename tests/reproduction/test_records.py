@@ -45,7 +45,7 @@ def digest(code):
         ),
         (
             "    return total",
-            "    try:\n        return total\n    except ValueError:\n        raise InputError from None",
+            "    try:\n        return total\n    except ValueError:\n        raise InputError",
         ),
     ],
 )
