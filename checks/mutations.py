@@ -49,6 +49,7 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "scooter/contradictions": (
         *("test_scooter_faults", "test_scooter_forces", "test_scooter_told"),
     ),
+    "scooter/exchanges": ("test_scooter_told",),
     "scooter/faults": (
         *("test_scooter_contradictions", "test_scooter_forces", "test_scooter_told"),
     ),
