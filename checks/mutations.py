@@ -124,6 +124,9 @@ EQUIVALENT: dict[tuple[str, ...], str] = {
     ("walker/_kernel.py", "'15' -> '16'", "for k in range(15):"): (
         "behind the 15 rows of a matrix lies padding of zeros"
     ),
+    ("walker/_kernel.py", "'1' -> '2'", "for g in range(len(ends), -1, -1):"): (
+        "the loop breaks at the first stride, before its range ends; twice the step is noticed"
+    ),
     ("walker/_kernel.py:422", "'15' -> '16'", "for j in range(15):"): (
         "the padding of each row of the other factor is zero"
     ),
