@@ -305,6 +305,24 @@ def test_a_loss_in_one_move_spoils_no_other_move():
         assert spoilt.tolist() == list(expected)
 
 
+@pytest.mark.parametrize(
+    ("far", "told"), [((4,), ""), ((4, 9), "2 times"), ((4, 9, 10), "3 times")]
+)
+def test_one_move_that_is_too_far_is_a_rest_that_was_not_seen(far, told):
+    """From two on the frame rolls, or the sensor is no frame's. Steps of this walk are shorter."""
+    moves, place = runs_of(~path().stationary), path().position_m.copy()
+    for k in far:
+        way = place[moves[k].stop] - place[moves[k].start]
+        place[moves[k].stop :] += 1.0 * way / np.linalg.norm(way)
+    found = replace(path(), position_m=place)
+    usable = np.ones(len(found), np.bool_)
+    faults = list(path_checks._far_steps(walked().walk.recording, found, usable))
+    assert len(faults) == bool(told)
+    for each in faults:
+        assert f"{told} by more than 0.8 m" in each.sentence
+        assert each.flags.sum() == sum(moves[k].stop - moves[k].start for k in far)
+
+
 # What the checks say.
 
 
