@@ -115,6 +115,15 @@ def test_errors_of_gyroscopes_are_numbers_from_zero_on(name, value):
         check_geometry(recording, SAMPLE_CHAIR, mount, **{name: value})
 
 
+@pytest.mark.parametrize(
+    ("name", "unit"), [("gyr_scale_sd", "percent"), ("gyr_axis_sd_rad", "deg")]
+)
+def test_errors_of_gyroscopes_in_another_unit_are_asked_for_it(name, unit):
+    recording, mount = turns()
+    with pytest.raises(InputError, match=rf"{name} = 1\.5: expected 0 to 1 \(in {unit}\?\)"):
+        check_geometry(recording, SAMPLE_CHAIR, mount, **{name: 1.5})
+
+
 @pytest.mark.parametrize("sensor", ["frame", "left_wheel", "right_wheel"])
 def test_a_constant_offset_of_a_gyroscope_moves_neither_track_nor_radii(sensor):
     """An offset of 1 deg/s on every axis of one sensor; 0.1 mm and 1e-4 are a tenth of a sd."""
