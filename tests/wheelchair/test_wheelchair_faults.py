@@ -5,6 +5,7 @@ import pickle
 import numpy as np
 import pytest
 from faulty import SENSORS, calibration, drive, largest, look, of_code, series, turned
+from scipy.integrate import cumulative_trapezoid
 
 from mobility_imu.errors import InputError
 from mobility_imu.recording import Imu, Recording
@@ -74,6 +75,18 @@ def test_a_clear_fault_is_found_with_its_cost(name):
     assert real / FACTOR < stated < real * FACTOR
     assert "; it moves the " in found.told
     pickle.loads(pickle.dumps(found))
+
+
+def test_distance_and_turn_are_speed_and_yaw_rate_added_up():
+    found = series(drive().trial)
+    time_s = drive().trial.time_s
+    for rate, way in (
+        (("speed", "m/s"), ("distance", "m")),
+        (("yaw rate", "deg/s"), ("turn", "deg")),
+    ):
+        added = cumulative_trapezoid(found[rate], time_s, initial=0)
+        largest_step = np.abs(found[rate]).max() / drive().trial.sampling_rate_hz
+        assert np.abs(found[way] - added).max() < 2 * largest_step
 
 
 @pytest.mark.parametrize("name", MODELS)
