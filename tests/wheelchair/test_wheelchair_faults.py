@@ -8,6 +8,7 @@ from faulty import SENSORS, calibration, drive, largest, look, of_code, series, 
 from scipy.integrate import cumulative_trapezoid
 
 from mobility_imu.errors import InputError
+from mobility_imu.faults import with_readings
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.recorded import numbers
 from mobility_imu.reproduction.wheelchair.fault_kinds import KINDS, MODELS, clean_drive
@@ -87,6 +88,20 @@ def test_distance_and_turn_are_speed_and_yaw_rate_added_up():
         added = cumulative_trapezoid(found[rate], time_s, initial=0)
         largest_step = np.abs(found[rate]).max() / drive().trial.sampling_rate_hz
         assert np.abs(found[way] - added).max() < 2 * largest_step
+
+
+def test_an_offset_that_changes_hides_no_scale():
+    """It is in a part of the drive, which is long; its repair leaves the rest to be looked at."""
+    trial, up = drive().trial, drive().court.mounting["frame"].rotation_body_to_imu[:, 2]
+    late = trial.time_s > 0.5 * trial.time_s[-1]
+    more = np.outer(late, np.deg2rad(5.0) * up)
+    changed = with_readings(trial, "frame", gyr_radps=trial.gyroscope("frame") + more)
+    found = look(inject.scale(changed, "right_wheel", "gyr", 1.05))
+    assert {(fault.code, fault.sensor) for fault in found} == {
+        ("offset", "frame_gyr"),
+        ("scale", "right_wheel_gyr"),
+    }
+    assert 0.1 < of_code(found, "offset")[0].flags.mean() < 1
 
 
 @pytest.mark.parametrize("name", MODELS)
