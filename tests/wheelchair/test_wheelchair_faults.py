@@ -1,6 +1,7 @@
 """Faults of a chair's sensors: found at a clear size, with what they cost; none invented."""
 
 import pickle
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,7 +23,13 @@ from mobility_imu.reproduction.wheelchair.faults import (
     summary_of,
 )
 from mobility_imu.simulation import faults as inject
-from mobility_imu.wheelchair import VelocitySettings, estimate_velocity, find_faults
+from mobility_imu.wheelchair import (
+    VelocitySettings,
+    estimate_velocity,
+    find_faults,
+    frame_faults,
+)
+from mobility_imu.wheelchair.contradictions import gain_of
 from mobility_imu.wheelchair.faults import valid_samples, with_valid
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.recovery import held_samples, recovered, tied_rate
@@ -102,6 +109,21 @@ def test_an_offset_that_changes_hides_no_scale():
         ("scale", "right_wheel_gyr"),
     }
     assert 0.1 < of_code(found, "offset")[0].flags.mean() < 1
+
+
+def test_a_frame_is_judged_by_wheels_that_both_go_with_it():
+    """One wheel whose gravity says little speaks against the scale that the other one shows."""
+    rng, time_s = np.random.default_rng(5), np.arange(6000) / 100
+    true = np.sin(time_s / 3)
+    yaw = {"frame": 1.1 * true, "left_wheel": true + rng.normal(0, 0.01, len(true))}
+    for noise_radps, alike in ((0.01, True), (0.6, False)):
+        yaw["right_wheel"] = true + rng.normal(0, noise_radps, len(true))
+        shared = SimpleNamespace(yaw=yaw, sides=("left", "right"), rate_hz=100.0)
+        found = frame_faults._against_wheels(shared)
+        assert (found.correlation > frame_faults.ALIKE) == alike
+        # A gain of either wheel that the other one does not have is part of the deviation.
+        gains = [gain_of(yaw[f"{side}_wheel"], yaw["frame"], 100.0).gain for side in shared.sides]
+        assert found.gain == pytest.approx(np.mean(gains)) and found.gain_sd > np.ptp(gains) / 2
 
 
 @pytest.mark.parametrize("name", MODELS)
