@@ -209,6 +209,14 @@ def test_a_short_repetition_is_too_long_for_chance():
     assert not held_samples(exact).any()
 
 
+@pytest.mark.parametrize(("others", "told"), [(50, False), (51, True)])
+def test_so_few_readings_do_not_show_whether_they_are_noise(others, told):
+    """Beside the ten that are held; fifty changes are asked for."""
+    noise = (np.random.default_rng(0).normal(0, 0.002, (others + 10, 3)) / 0.001).round() * 0.001
+    noise[30:40] = noise[30]
+    assert np.flatnonzero(held_samples(noise)).tolist() == (list(range(30, 40)) if told else [])
+
+
 def test_a_repetition_of_both_halves_is_a_lost_packet_sooner():
     """Noise of two steps repeats all axes of one half with a chance of 0.02 or less."""
     rng = np.random.default_rng(6)
