@@ -366,6 +366,19 @@ def test_one_wheel_and_no_gyroscope_are_looked_at_as_far_as_they_go():
     assert look(Recording(drive().trial.time_s, sensors)) == ()
 
 
+@pytest.mark.parametrize("other", ["right_wheel", "frame"])
+@pytest.mark.parametrize("there", [True, False])
+def test_signs_of_a_wheel_are_told_by_its_own_gravity_alone(other, there):
+    """Whether its gyroscope or its accelerometer is wrong, two other gyroscopes would tell."""
+    faulty = inject.scale(drive().trial, "left_wheel", "gyr", (-1, -1, 1))
+    sensors = dict(faulty.sensors)
+    without = sensors.pop(other)
+    if there:
+        sensors[other] = Imu(without.acc_mps2)
+    (found,) = look(Recording(faulty.time_s, sensors))
+    assert (found.code, found.sensor) == ("reversed", "left_wheel_gyr")
+
+
 def test_settings_and_arguments_are_checked():
     cal, geometry = calibration(), drive().court.geometry
     with pytest.raises(InputError, match="settings"):
