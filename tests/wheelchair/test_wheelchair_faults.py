@@ -331,6 +331,16 @@ def test_a_clock_of_another_unit_and_one_sensor_for_two():
     assert [f.code for f in look(Recording(drive().trial.time_s, twice))] == ["copy"]
 
 
+def test_a_frame_that_reads_nothing_does_not_speak_against_a_clock():
+    """Both wheels read 10 % too little; that no two gyroscopes do, and a frame could not say."""
+    trial = inject.silence(drive().trial, "frame")
+    found = look(Recording(trial.time_s * 1.1, trial.sensors, source="other rate"))
+    assert {(fault.code, fault.sensor) for fault in found} == {
+        ("frozen", "frame_gyr"),
+        ("clock", "time_s"),
+    }
+
+
 @pytest.mark.parametrize("pace", [0.9, 1.04, 1.1])
 def test_a_clock_at_another_pace_is_not_blamed_on_the_gyroscopes(pace):
     """Both wheels turn too much or too little by one factor; the frame fits them as recorded."""
