@@ -49,6 +49,7 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "scooter/contradictions": (
         *("test_scooter_faults", "test_scooter_forces", "test_scooter_told"),
     ),
+    "scooter/exchanges": ("test_scooter_told",),
     "scooter/faults": (
         *("test_scooter_contradictions", "test_scooter_forces", "test_scooter_told"),
     ),
@@ -93,15 +94,17 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "walker/calibration": ("test_walker_uncertainty",),
     "walker/error_state": ("test_walker_navigation",),
     "walker/eskf": ("test_walker_navigation",),
-    "walker/fault_checks": ("test_walker_faults",),
+    "walker/fault_checks": ("test_walker_faults", "test_walker_fault_rules"),
     "walker/follow": ("test_walker_trajectory", "test_walker_doors"),
     "walker/gaps": ("test_walker_fault_rules",),
     "walker/mount": ("test_walker_geometry", "test_walker_doors"),
     "walker/navigation_settings": ("test_walker_navigation", "test_walker_doors"),
-    "walker/path_checks": ("test_walker_faults",),
+    "walker/path_checks": ("test_walker_faults", "test_walker_fault_rules"),
     "walker/reach": ("test_walker_fault_rules",),
     "walker/rest_checks": ("test_walker_faults",),
-    "walker/sensor_errors": ("test_walker_trajectory", "test_walker_rounding"),
+    "walker/sensor_errors": (
+        *("test_walker_calibration", "test_walker_trajectory", "test_walker_rounding"),
+    ),
     "walker/stillness": ("test_walker_navigation", "test_walker_doors"),
     "walker/trajectory": ("test_walker_uncertainty", "test_walker_doors"),
     "walker/turned_sums": ("test_walker_rest_checks",),
@@ -122,6 +125,9 @@ EQUIVALENT: dict[tuple[str, ...], str] = {
     ("'1' -> '2'", "reshape(-1"): ANY_NEGATIVE,
     ("walker/_kernel.py", "'15' -> '16'", "for k in range(15):"): (
         "behind the 15 rows of a matrix lies padding of zeros"
+    ),
+    ("walker/_kernel.py", "'1' -> '2'", "for g in range(len(ends), -1, -1):"): (
+        "the loop breaks at the first stride, before its range ends; twice the step is noticed"
     ),
     ("walker/_kernel.py:422", "'15' -> '16'", "for j in range(15):"): (
         "the padding of each row of the other factor is zero"

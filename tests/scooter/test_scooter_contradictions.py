@@ -95,6 +95,7 @@ def test_two_turns_are_both_named_and_both_undone():
     faulty = TURNS["vertical and throttle"](ride(52))
     (found,) = contradictions(faulty, SUZUKI_ET4D, mount(52)).faults
     assert "the throttle is" in found.sentence and "about the vertical" in found.sentence
+    assert "zero-g" not in found.sentence  # no offset turns a sensor about the vertical
     assert contradictions(found.repair(faulty), SUZUKI_ET4D, mount(52)).faults == ()
 
 
@@ -104,6 +105,7 @@ def test_who_has_no_mount_is_not_asked_since_when():
     assert "since the calibration" not in found.sentence
     (found,) = contradictions(turned(ride(), "lever", "x", 8), SUZUKI_ET4D, mount()).faults
     assert "was one turned since the calibration?" in found.sentence
+    assert "zero-g" not in found.sentence  # 140 mg are more than two sensors' offsets
 
 
 @pytest.mark.parametrize("sensor", ["lever", "body"])
@@ -148,17 +150,32 @@ def test_what_is_too_short_says_nothing_of_both():
     assert contradictions(ride(), SUZUKI_ET4D, None).signs_tested
 
 
-@pytest.mark.parametrize("beside_m", [-0.22, 0.22])
-def test_the_zero_of_the_steering_does_not_move_with_where_the_lever_sits(beside_m):
-    """A lever beside the middle is pulled outwards, by r yaw² in curves to either side."""
-    rate_hz, zero = 50.0, np.deg2rad(3.0)
-    yaw = 0.8 * np.clip(1.5 * np.sin(np.arange(3000) / rate_hz / 4), -1, 1)
-    wheel = np.arctan(0.9 * yaw)
-    # eq. 5 near zero: a pull across moves the steering by its angle over the sine of 20 deg
-    pulled = beside_m * yaw**2 / 9.81 / np.sin(np.deg2rad(20))
-    steering = wheel + zero + pulled
+def zero_of(steering, yaw):
+    """Steering, deg, at which a scooter that turns so does not turn."""
     up = np.tile([0.0, 0.0, 9.81], (len(yaw), 1))
     turning = np.column_stack([0 * yaw, 0 * yaw, yaw])
     seen = Seen(steering, 0 * yaw, np.ones(len(yaw), bool))
-    found = zeros_of(seen, up, turning, turning, rate_hz)
-    assert np.rad2deg(found.steering_rad) == pytest.approx(3.0, abs=0.3)
+    return np.rad2deg(zeros_of(seen, up, turning, turning, RATE_HZ).steering_rad)
+
+
+RATE_HZ, ZERO = 50.0, np.deg2rad(3.0)
+YAW = 0.8 * np.clip(1.5 * np.sin(np.arange(3000) / RATE_HZ / 4), -1, 1)
+
+
+@pytest.mark.parametrize("beside_m", [-0.22, 0.22])
+def test_the_zero_of_the_steering_does_not_move_with_where_the_lever_sits(beside_m):
+    """A lever beside the middle is pulled outwards, by r yaw² in curves to either side."""
+    # eq. 5 near zero: a pull across moves the steering by its angle over the sine of 20 deg
+    pulled = beside_m * YAW**2 / 9.81 / np.sin(np.deg2rad(20))
+    found = zero_of(np.arctan(0.9 * YAW) + ZERO + pulled, YAW)
+    assert found == pytest.approx(3.0, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("speed_mps", "drives"), [(3.5, False), (2.5, True), (0.32, True), (0.25, False)]
+)
+def test_only_a_scooter_at_the_speeds_of_one_shows_where_it_does_not_turn(speed_mps, drives):
+    """With a wheelbase of 0.9 m at 0.3 to 3 m/s: two sensors in a hand turn otherwise."""
+    yaw = 0.5 * YAW
+    found = zero_of(np.arctan(0.9 / speed_mps * yaw) + ZERO, yaw)
+    assert found == pytest.approx(3.0, abs=0.3) if drives else np.isnan(found)

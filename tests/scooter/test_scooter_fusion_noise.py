@@ -59,7 +59,8 @@ def test_a_noise_that_stays_for_its_correlation_time_is_coloured():
 
 
 @pytest.mark.parametrize(
-    ("rate_hz", "correlation_s", "fewest"), [(1.0, 0.1, 50), (100.0, 0.3, 1200), (10.0, 2.0, 200)]
+    ("rate_hz", "correlation_s", "fewest"),
+    [(1.0, 0.1, 50), (100.0, 0.1, 1000), (100.0, 0.3, 1200), (10.0, 2.0, 200)],
 )
 def test_short_recordings_tell_nothing_of_their_noise(rate_hz, correlation_s, fewest):
     values = np.random.default_rng(7).standard_normal((fewest, 3))

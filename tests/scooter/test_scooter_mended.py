@@ -5,6 +5,7 @@ import pytest
 from rides import ride
 
 from mobility_imu.errors import InputError
+from mobility_imu.runs import runs_of
 from mobility_imu.scooter import SUZUKI_ET4D
 from mobility_imu.scooter.mended import carried, cut_axes, lengthened, stretched
 from mobility_imu.simulation import faults as put
@@ -29,6 +30,18 @@ def test_an_axis_that_is_not_cut_keeps_its_readings():
     back = stretched(faulty, "body", cut_rows(was, 0.2), SUZUKI_ET4D, None).gyroscope("body")
     at_end = np.abs(was) == 0.2
     assert (back[~at_end] == was[~at_end]).all() and (back[at_end] != was[at_end]).any()
+
+
+def test_the_bow_over_a_cut_peak_is_highest_in_its_middle():
+    faulty = put.clip(ride(), "body", "gyr", 0.2)
+    was = faulty.gyroscope("body")
+    back = stretched(faulty, "body", cut_rows(was, 0.2), SUZUKI_ET4D, None).gyroscope("body")
+    bows = 0
+    for axis, other in zip(was.T, back.T, strict=True):
+        for run in runs_of(np.abs(axis) == 0.2):
+            assert np.allclose(other[run], other[run][::-1], rtol=1e-12)
+            bows += np.ptp(other[run]) > 0.05
+    assert bows > 1
 
 
 def test_a_peak_of_two_samples_is_not_cut():

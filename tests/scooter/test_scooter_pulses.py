@@ -134,6 +134,19 @@ class TestSynchronise:
             monkeypatch.setattr(module, "PAIRS_IN_ORDER", length)
             assert synchronise(ours, theirs) == whole
 
+    def test_of_windows_that_fit_alike_the_first_counts_in_whatever_blocks(self, monkeypatch):
+        """Offsets 5.000, 5.010, 5.018, 5.025 s: two windows of 20 ms have three of them."""
+        ours, theirs = [0.0, 1.0, 3.0, 7.0], np.array([5.0, 6.01, 8.018, 12.025])
+        for length, later in ((100, 0.0), (1, 0.0), (1, -20.0)):
+            monkeypatch.setattr(module, "PAIRS_IN_ORDER", length)
+            assert synchronise(ours, theirs + later) == pytest.approx((5.01 + later, 3))
+
+    def test_a_pulse_that_is_30_ms_late_is_another_one(self):
+        """By default: two intervals of a logger at 100 Hz are allowed."""
+        ours = pulses_of_a_ride(np.random.default_rng(0))
+        late = 0.03 * (np.arange(len(ours)) % 5 == 0)
+        assert synchronise(ours, ours + late + 3).matched == np.sum(late == 0)
+
     @pytest.mark.parametrize("tolerance", [0, -1, np.nan, "0.02"])
     def test_bad_tolerance(self, tolerance):
         with pytest.raises(InputError, match="tolerance_s"):

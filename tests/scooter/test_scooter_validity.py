@@ -107,6 +107,9 @@ def test_a_warning_says_how_many_samples_were_accelerated():
     lever, body = np.tile(at(0), (100, 1)), np.tile(LEVEL, (100, 1))
     lever[:5] *= 1.3
     assert estimate_angles(lever, body, SUZUKI_ET4D).warnings == ()
+    lever[5:7] *= 1.3
+    (warning,) = estimate_angles(lever, body, SUZUKI_ET4D).warnings
+    assert "accelerated in 7 % of the samples" in warning
     lever[:40] *= 1.3
     lever[90:] = np.nan
     body[39] = body_specific_force(np.deg2rad(40), 0.0)

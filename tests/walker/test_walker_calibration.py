@@ -45,6 +45,7 @@ from mobility_imu.walker.geometry import TILT_DIRECTIONS
 from mobility_imu.walker.sensor_errors import (
     REST_WORDS,
     SCALES_OF_ACC,
+    check_deviations,
     wrong_readings,
 )
 from mobility_imu.walker.tilt_detection import Tilt
@@ -218,6 +219,16 @@ def test_settings_of_a_sensor_that_its_maker_calibrates():
         assert settings.scale_sd == model.acc.scale_sd == model.gyr.scale_sd
         assert settings.axes_sd_rad == model.acc.misalignment_sd_rad
         assert settings.axes_sd_rad == model.gyr.misalignment_sd_rad
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_one_component_that_the_tilts_do_not_show_is_no_mount(axis):
+    """A position that is known to 2 m at worst, and axes to half a turn, say nothing."""
+    known, one = np.full(3, 0.01), np.eye(3)[axis]
+    check_deviations(known + 1.9 * one, known + 3.1 * one)
+    for place, turn in ((2.1, 0.0), (0.0, 3.2), (np.nan, 0.0)):
+        with pytest.raises(InputError, match="leave the IMU's position uncertain"):
+            check_deviations(known + place * one, known + turn * one)
 
 
 def test_a_side_that_the_sensors_errors_explain_is_not_told():

@@ -288,6 +288,41 @@ def test_a_warning_is_dropped_only_if_a_fault_of_its_sensor_says_it():
     assert not_told([text], [fault("poses", "frame", sentence=order)]) == [text]
 
 
+def test_a_loss_in_one_move_spoils_no_other_move():
+    """The rest before and after it bring tilt and velocity back."""
+    moves = runs_of(~path().stationary)
+    for k, where in (
+        (3, moves[3].start),
+        (3, moves[3].stop),  # the first sample at rest is still the move's
+        (3, moves[3].start - 1),
+        (0, moves[0].start),
+        (None, moves[3].start - 2),
+        (None, moves[3].stop + 1),
+    ):
+        lost = np.arange(len(path())) == where
+        spoilt = np.flatnonzero(~path_checks._without_lost(path(), lost))
+        expected = [] if k is None else range(moves[k].start, moves[k].stop)
+        assert spoilt.tolist() == list(expected)
+
+
+@pytest.mark.parametrize(
+    ("far", "told"), [((4,), ""), ((4, 9), "2 times"), ((4, 9, 10), "3 times")]
+)
+def test_one_move_that_is_too_far_is_a_rest_that_was_not_seen(far, told):
+    """From two on the frame rolls, or the sensor is no frame's. Steps of this walk are shorter."""
+    moves, place = runs_of(~path().stationary), path().position_m.copy()
+    for k in far:
+        way = place[moves[k].stop] - place[moves[k].start]
+        place[moves[k].stop :] += 1.0 * way / np.linalg.norm(way)
+    found = replace(path(), position_m=place)
+    usable = np.ones(len(found), np.bool_)
+    faults = list(path_checks._far_steps(walked().walk.recording, found, usable))
+    assert len(faults) == bool(told)
+    for each in faults:
+        assert f"{told} by more than 0.8 m" in each.sentence
+        assert each.flags.sum() == sum(moves[k].stop - moves[k].start for k in far)
+
+
 # What the checks say.
 
 
@@ -585,12 +620,16 @@ def test_a_short_repetition_hides_no_other_fault(code, half):
     assert told == {code, "frozen"}
 
 
-def test_in_coarse_steps_a_late_half_is_no_frozen_accelerometer():
+@pytest.mark.parametrize(
+    ("seed", "step_mps2", "lag_s", "codes"),
+    [(4001, 0.05, 0.3, {"lag"}), (12, 0.1, 0.5, {"lag", "coarse"})],
+)
+def test_in_coarse_steps_a_late_half_is_no_frozen_accelerometer(seed, step_mps2, lag_s, codes):
     """It repeats itself at rest while the late gyroscope turns; what is lost is found anew."""
-    walk = walked()
-    late = inject.late_half(coarse(walk.walk.recording), "frame", "gyr", 0.3)
+    walk = sound(seed, "realistic")
+    late = inject.late_half(coarse(walk.walk.recording, step_mps2), "frame", "gyr", lag_s)
     told = find_faults(late, walk.tape, walk.mount)
-    assert {f.code for f in told} - {"at odds"} == {"lag"}
+    assert {f.code for f in told} - {"at odds"} == codes
 
 
 def test_a_late_half_and_a_frozen_one_are_both_told():
@@ -836,9 +875,9 @@ def test_a_gap_at_rest_is_spared_if_no_move_is_so_short():
         assert {f.code for f in find_faults(resting, walk.tape, walk.mount)} == codes
 
 
-def coarse(recording):
+def coarse(recording, step_mps2=0.05):
     """The recording in steps of 0.05 m/s² and 0.5 deg/s."""
-    imu, steps = recording.sensor("frame"), (0.05, np.deg2rad(0.5))
+    imu, steps = recording.sensor("frame"), (step_mps2, np.deg2rad(0.5))
     acc, gyr = (
         step * np.round(values / step)
         for step, values in zip(steps, (imu.acc_mps2, imu.gyr_radps), strict=True)

@@ -10,7 +10,13 @@ from scipy.spatial.transform import Rotation
 from mobility_imu.rotations import cross_matrix
 from mobility_imu.runs import runs_of
 from mobility_imu.walker.rest_checks import GRAVITY_S, Readings, _Batch
-from mobility_imu.walker.turned_sums import Attitudes, sums_in_a_loop, sums_in_arrays
+from mobility_imu.walker.turned_sums import (
+    SERIES,
+    Attitudes,
+    Moved,
+    sums_in_a_loop,
+    sums_in_arrays,
+)
 
 LENGTHS = [80, 30, 40, 47, 25, 20, 60, 1, 90]
 """Samples of rests and moves in turn; some rests are shorter than gravity is averaged over."""
@@ -89,6 +95,21 @@ def test_misfits_of_all_moves_are_those_of_each(readings, lag, sums, times):
         turned = attitudes(readings, span, factors, lag, askew)
         assert np.allclose(row, misfit(readings, before, after, turned, offset), atol=1e-9)
     assert (found[:, 5] != 0).tolist() == [True, False, True, True]
+
+
+@pytest.mark.parametrize("sums", [sums_in_arrays, sums_in_a_loop])
+@pytest.mark.parametrize("times", [0.99, 1.01])
+def test_turns_are_exact_where_a_series_ends(times, sums):
+    """At a constant rate: what the series of sine and cosine leave out is rounding."""
+    count, step, force = 200, 0.01, np.array([1.0, -2.0, 9.8])
+    rate = np.sqrt(times * SERIES) * 2 / step * np.array([2.0, -1.0, 2.0]) / 3
+    moved = Moved(
+        *(np.array([0]), np.array([count]), np.tile(rate, (count, 1))),
+        *(np.full((1, count - 1), step), np.tile(force, (1, count, 1)), np.ones((1, 1, count))),
+    )
+    turned = Rotation.from_rotvec(np.outer(np.arange(count) * step, rate))
+    found = sums(moved, 0, np.eye(3))
+    assert np.allclose(found.forces[0, 0], turned.apply(force).sum(axis=0), rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 8, 21])

@@ -216,6 +216,16 @@ def test_nobody_walks():
         find_steps(replace(standing, stationary=np.zeros(len(standing.time_s), bool)))
 
 
+def test_given_rests_are_brought_in_by_nothing():
+    """Those of a detector by what it takes off their ends."""
+    path = drawn([STEP])
+    for stillness in (None, StillnessSettings(margin_s=0.1, shorten_s=0.05)):
+        off_s = 0.0 if stillness is None else 0.15
+        found = find_steps(replace(path, stillness=stillness))
+        assert found.lift_s == pytest.approx([0.99 + off_s])
+        assert found.place_s == pytest.approx([2.0 - off_s])
+
+
 def test_settings_are_checked():
     for wrong in ({"least_length_m": 0}, {"least_turn_rad": 5}, {"least_length_m": "0.05"}):
         with pytest.raises(InputError, match=next(iter(wrong))):

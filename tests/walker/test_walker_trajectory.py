@@ -37,6 +37,7 @@ from mobility_imu.walker import (
     valid_samples,
 )
 from mobility_imu.walker.follow import navigate_recording
+from mobility_imu.walker.given_rests import LEAST_FITTING, shifted_rests
 from mobility_imu.walker.navigation import (
     ClosedLoop,
     NavigationSettings,
@@ -327,6 +328,20 @@ def test_a_few_samples_are_no_walk(samples):
     recording = walked().recording
     with pytest.raises(InputError, match="expected a walk"):
         estimate_trajectory(cut_out(recording, slice(0, samples)), None, pose_mount("1"))
+
+
+@pytest.mark.parametrize(("inside", "told"), [(8, False), (6, True)])
+def test_rests_that_lie_among_the_others_by_more_than_chance_are_of_the_recording(inside, told):
+    """The frame rests half of the time, in ten rests; one sample each is given as a rest.
+
+    Of rests by chance half lie among the others, so that eight of ten fit by 0.6 and six by 0.2.
+    """
+    found = np.arange(2000) % 200 < 100
+    given = np.zeros(2000, bool)
+    given[np.arange(10) * 200 + np.where(np.arange(10) < inside, 60, 160)] = True
+    assert ((inside / 10 - 0.5) / 0.5 < LEAST_FITTING) == told
+    words = shifted_rests(given, found, 100.0)
+    assert "do not resemble" in words if told else words is None
 
 
 @pytest.mark.parametrize(

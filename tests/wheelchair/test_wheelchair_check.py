@@ -24,6 +24,7 @@ from mobility_imu.simulation.wheelchair import (
     simulate_court,
 )
 from mobility_imu.wheelchair import SAMPLE_CHAIR, calibrate_mount, check_geometry
+from mobility_imu.wheelchair import check as module
 from mobility_imu.wheelchair.check import (
     GYROSCOPE_AXIS_SD_RAD,
     GYROSCOPE_SCALE_SD,
@@ -113,6 +114,15 @@ def test_errors_of_gyroscopes_are_numbers_from_zero_on(name, value):
     recording, mount = turns()
     with pytest.raises(InputError, match=name):
         check_geometry(recording, SAMPLE_CHAIR, mount, **{name: value})
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"), [("gyr_scale_sd", "percent"), ("gyr_axis_sd_rad", "deg")]
+)
+def test_errors_of_gyroscopes_in_another_unit_are_asked_for_it(name, unit):
+    recording, mount = turns()
+    with pytest.raises(InputError, match=rf"{name} = 1\.5: expected 0 to 1 \(in {unit}\?\)"):
+        check_geometry(recording, SAMPLE_CHAIR, mount, **{name: 1.5})
 
 
 @pytest.mark.parametrize("sensor", ["frame", "left_wheel", "right_wheel"])
@@ -234,6 +244,16 @@ def test_a_gain_of_each_side_needs_a_second_of_turning():
         found = check_geometry(*reversed_(turns(legs=legs)))
         assert found.judged and np.isfinite(found.yaw_gain_left)
         assert np.isfinite(found.yaw_gain_right) == known
+
+
+def test_turns_on_the_spot_show_the_track_and_not_the_radii():
+    """The wheels go as much forward as backward: a radius that is off adds nothing to a turn."""
+    legs = (Leg(1, 2.0), Leg(4, 6.0, 0.0, 70.0), Leg(4, 6.0, 0.0, -70.0), Leg(1, 2.0))
+    recording, mount = turns(legs=legs)
+    found = check_geometry(recording, SAMPLE_CHAIR, mount)
+    assert found.judged and found.fits
+    assert np.isnan([found.radius_ratio, found.radius_ratio_sd]).all()
+    assert abs(found.track_m - SAMPLE_CHAIR.track_m) < 2 * found.track_sd_m < 0.05
 
 
 def reversed_(pair):
@@ -395,6 +415,17 @@ def test_wheels_and_frame_that_disagree_are_not_called_too_few_turns():
     assert not check.judged and check.turned_rad > 2 * np.pi
     assert "wheels and frame disagree too much to judge the geometry" in check.warnings[0]
     assert not any("too little" in sentence for sentence in check.warnings)
+
+
+@pytest.mark.parametrize(("sd_m", "judged"), [(0.0227, False), (0.0276, True)])
+def test_a_scattered_track_is_judged_if_it_may_be_none(sd_m, judged, monkeypatch):
+    """0.08 m are 3.5 standard deviations from none, or 2.9: swapped sensors may scatter too."""
+    scattered = _Distances(0.08, sd_m, 0.0, 0.001, 0.02)
+    monkeypatch.setattr(module, "_distances", lambda *_: scattered)
+    recording, mount = turns()
+    found = check_geometry(recording, SAMPLE_CHAIR, mount)
+    assert found.judged == judged and not found.fits
+    assert ("could be told to 0.020 m only" in found.warnings[0]) != judged
 
 
 def test_turns_to_one_side_only_give_no_factor_of_the_other():

@@ -1,12 +1,15 @@
 """Faults of a chair's sensors: found at a clear size, with what they cost; none invented."""
 
 import pickle
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from faulty import SENSORS, calibration, drive, largest, look, of_code, series, turned
+from scipy.integrate import cumulative_trapezoid
 
 from mobility_imu.errors import InputError
+from mobility_imu.faults import with_readings
 from mobility_imu.recording import Imu, Recording
 from mobility_imu.reproduction.recorded import numbers
 from mobility_imu.reproduction.wheelchair.fault_kinds import KINDS, MODELS, clean_drive
@@ -20,7 +23,13 @@ from mobility_imu.reproduction.wheelchair.faults import (
     summary_of,
 )
 from mobility_imu.simulation import faults as inject
-from mobility_imu.wheelchair import VelocitySettings, estimate_velocity, find_faults
+from mobility_imu.wheelchair import (
+    VelocitySettings,
+    estimate_velocity,
+    find_faults,
+    frame_faults,
+)
+from mobility_imu.wheelchair.contradictions import gain_of
 from mobility_imu.wheelchair.faults import valid_samples, with_valid
 from mobility_imu.wheelchair.lags import lag_between
 from mobility_imu.wheelchair.recovery import held_samples, recovered, tied_rate
@@ -74,6 +83,47 @@ def test_a_clear_fault_is_found_with_its_cost(name):
     assert real / FACTOR < stated < real * FACTOR
     assert "; it moves the " in found.told
     pickle.loads(pickle.dumps(found))
+
+
+def test_distance_and_turn_are_speed_and_yaw_rate_added_up():
+    found = series(drive().trial)
+    time_s = drive().trial.time_s
+    for rate, way in (
+        (("speed", "m/s"), ("distance", "m")),
+        (("yaw rate", "deg/s"), ("turn", "deg")),
+    ):
+        added = cumulative_trapezoid(found[rate], time_s, initial=0)
+        largest_step = np.abs(found[rate]).max() / drive().trial.sampling_rate_hz
+        assert np.abs(found[way] - added).max() < 2 * largest_step
+
+
+def test_an_offset_that_changes_hides_no_scale():
+    """It is in a part of the drive, which is long; its repair leaves the rest to be looked at."""
+    trial, up = drive().trial, drive().court.mounting["frame"].rotation_body_to_imu[:, 2]
+    late = trial.time_s > 0.5 * trial.time_s[-1]
+    more = np.outer(late, np.deg2rad(5.0) * up)
+    changed = with_readings(trial, "frame", gyr_radps=trial.gyroscope("frame") + more)
+    found = look(inject.scale(changed, "right_wheel", "gyr", 1.05))
+    assert {(fault.code, fault.sensor) for fault in found} == {
+        ("offset", "frame_gyr"),
+        ("scale", "right_wheel_gyr"),
+    }
+    assert 0.1 < of_code(found, "offset")[0].flags.mean() < 1
+
+
+def test_a_frame_is_judged_by_wheels_that_both_go_with_it():
+    """One wheel whose gravity says little speaks against the scale that the other one shows."""
+    rng, time_s = np.random.default_rng(5), np.arange(6000) / 100
+    true = np.sin(time_s / 3)
+    yaw = {"frame": 1.1 * true, "left_wheel": true + rng.normal(0, 0.01, len(true))}
+    for noise_radps, alike in ((0.01, True), (0.6, False)):
+        yaw["right_wheel"] = true + rng.normal(0, noise_radps, len(true))
+        shared = SimpleNamespace(yaw=yaw, sides=("left", "right"), rate_hz=100.0)
+        found = frame_faults._against_wheels(shared)
+        assert (found.correlation > frame_faults.ALIKE) == alike
+        # A gain of either wheel that the other one does not have is part of the deviation.
+        gains = [gain_of(yaw[f"{side}_wheel"], yaw["frame"], 100.0).gain for side in shared.sides]
+        assert found.gain == pytest.approx(np.mean(gains)) and found.gain_sd > np.ptp(gains) / 2
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -157,6 +207,14 @@ def test_a_short_repetition_is_too_long_for_chance():
     exact = np.zeros((6000, 3))
     exact[2000:4000] = np.sin(np.arange(2000) / 300)[:, None]
     assert not held_samples(exact).any()
+
+
+@pytest.mark.parametrize(("others", "told"), [(50, False), (51, True)])
+def test_so_few_readings_do_not_show_whether_they_are_noise(others, told):
+    """Beside the ten that are held; fifty changes are asked for."""
+    noise = (np.random.default_rng(0).normal(0, 0.002, (others + 10, 3)) / 0.001).round() * 0.001
+    noise[30:40] = noise[30]
+    assert np.flatnonzero(held_samples(noise)).tolist() == (list(range(30, 40)) if told else [])
 
 
 def test_a_repetition_of_both_halves_is_a_lost_packet_sooner():
@@ -273,6 +331,16 @@ def test_a_clock_of_another_unit_and_one_sensor_for_two():
     assert [f.code for f in look(Recording(drive().trial.time_s, twice))] == ["copy"]
 
 
+def test_a_frame_that_reads_nothing_does_not_speak_against_a_clock():
+    """Both wheels read 10 % too little; that no two gyroscopes do, and a frame could not say."""
+    trial = inject.silence(drive().trial, "frame")
+    found = look(Recording(trial.time_s * 1.1, trial.sensors, source="other rate"))
+    assert {(fault.code, fault.sensor) for fault in found} == {
+        ("frozen", "frame_gyr"),
+        ("clock", "time_s"),
+    }
+
+
 @pytest.mark.parametrize("pace", [0.9, 1.04, 1.1])
 def test_a_clock_at_another_pace_is_not_blamed_on_the_gyroscopes(pace):
     """Both wheels turn too much or too little by one factor; the frame fits them as recorded."""
@@ -306,6 +374,19 @@ def test_one_wheel_and_no_gyroscope_are_looked_at_as_far_as_they_go():
     assert "which of the two is wrong, two cannot tell" in found.sentence
     sensors["frame"] = Imu(sensors["frame"].acc_mps2)
     assert look(Recording(drive().trial.time_s, sensors)) == ()
+
+
+@pytest.mark.parametrize("other", ["right_wheel", "frame"])
+@pytest.mark.parametrize("there", [True, False])
+def test_signs_of_a_wheel_are_told_by_its_own_gravity_alone(other, there):
+    """Whether its gyroscope or its accelerometer is wrong, two other gyroscopes would tell."""
+    faulty = inject.scale(drive().trial, "left_wheel", "gyr", (-1, -1, 1))
+    sensors = dict(faulty.sensors)
+    without = sensors.pop(other)
+    if there:
+        sensors[other] = Imu(without.acc_mps2)
+    (found,) = look(Recording(faulty.time_s, sensors))
+    assert (found.code, found.sensor) == ("reversed", "left_wheel_gyr")
 
 
 def test_settings_and_arguments_are_checked():

@@ -19,10 +19,12 @@ from mobility_imu.wheelchair import (
     SAMPLE_CHAIR,
     AssumedErrors,
     VelocitySettings,
+    WheelchairMount,
     calibrate_mount,
     estimate_velocity,
 )
 from mobility_imu.wheelchair.uncertainty import (
+    sample_noise,
     speed_uncertainty,
     wheel_yaw_standard_deviation,
 )
@@ -222,3 +224,27 @@ def test_a_sample_lies_anywhere_in_its_interval():
     """The assumed timing error is the standard deviation of a place within one sample."""
     anywhere = (np.arange(10_000) + 0.5) / 10_000
     assert AssumedErrors().timing_sd_samples == pytest.approx(anywhere.std(), rel=1e-4)
+
+
+@pytest.mark.parametrize("sides", [("left",), ("right",), ("left", "right")])
+def test_noise_of_a_sample_is_that_of_the_speed_by_its_sensors(sides):
+    """Each wheel's by its radius; one wheel alone goes round the chair's middle with the frame."""
+    chair = replace(SAMPLE_CHAIR, camber_rad=0.0)
+    rng, names = np.random.default_rng(9), ("frame", "left_wheel", "right_wheel")
+    noise = dict(zip(names, ([0, 0, 0.04], [0.5, 0.5, 0.02], [0.5, 0.5, 0.03]), strict=True))
+    offsets = {
+        name: GyroscopeOffset(np.zeros(3), np.zeros((3, 3)), np.array(each), 5.0)
+        for name, each in noise.items()
+    }
+    turns = (np.eye(3) if side in sides else None for side in ("left", "right"))
+    mount = WheelchairMount(*turns, np.eye(3))
+    found = sample_noise(offsets, chair, mount, both=len(sides) == 2)
+    drawn = {name: each[2] * rng.standard_normal(100_000) for name, each in noise.items()}
+    speeds = [
+        chair.wheel_radius_m.of(side) * drawn[f"{side}_wheel"]
+        + chair.wheel_centre(side)[1] * drawn["frame"] * (len(sides) == 1)
+        for side in sides
+    ]
+    # Of 100,000 draws a standard deviation is known to 0.2 %.
+    assert found.linear_velocity_sd_mps == pytest.approx(np.mean(speeds, axis=0).std(), rel=0.01)
+    assert found.yaw_rate_sd_radps == 0.04
