@@ -195,7 +195,8 @@ def test_a_lever_that_turns_fast_is_valid(settings, arm_m):
     """The closed form has no lever arm."""
     recording, throttle = swung(450, arm_m)
     found = estimate_ride(recording, ScooterGeometry(np.deg2rad(20), 0.0), None, settings)
-    assert found.warnings == () and found.valid.mean() > 0.98
+    # Nothing moves but the lever: the fusion is not sure of the steering, and says so.
+    assert {remark.code for remark in found.remarks} <= {"uncertain"} and found.valid.mean() > 0.98
     apart_deg = np.rad2deg(found.throttle_rad - throttle)[found.valid]
     assert np.sqrt(np.mean(apart_deg**2)) < 2  # 24 deg is what two samples' delay would be
 
