@@ -63,9 +63,13 @@ def spoken(path):
             yield node.value
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "mobility_imu").rglob("*.py")), ids=name)
-def test_docstrings_and_messages_use_plain_words(path):
-    assert [found for text in spoken(path) for found in reading.dropped(text)] == []
+PACKAGES = [path.parent for path in sorted((ROOT / "mobility_imu").rglob("__init__.py"))]
+
+
+@pytest.mark.parametrize("folder", PACKAGES, ids=name)
+def test_docstrings_and_messages_use_plain_words(folder):
+    texts = ((path.name, text) for path in folder.glob("*.py") for text in spoken(path))
+    assert [(file, word) for file, text in texts for word in reading.dropped(text)] == []
 
 
 def test_the_rules_find_what_they_are_for():

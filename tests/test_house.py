@@ -85,13 +85,23 @@ def name_of(path):
 
 
 MODULES = {name_of(path): path for path in sorted(PACKAGE.rglob("*.py"))}
+FOLDERS: dict[str, list[str]] = {}
+for module, path in MODULES.items():
+    FOLDERS.setdefault(path.parent.relative_to(ROOT).as_posix(), []).append(module)
+# One test a folder: one a file, three hundred, takes longer than what is looked at.
+in_each_folder = pytest.mark.parametrize("names", FOLDERS.values(), ids=FOLDERS.keys())
 
 
-@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda p: p.stem)
-def test_imports_go_one_way(path):
+@in_each_folder
+def test_imports_go_one_way(names):
+    for name in names:
+        goes_one_way(MODULES[name])
+
+
+def goes_one_way(path):
     room = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
     if room == "__init__":
-        assert not read(path).imports
+        assert not read(path).imports, path.name
         return
     for module in read(path).imports:
         parts = module.split(".")
@@ -138,13 +148,13 @@ def length_without_docstring(node):
     return length
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_files_and_functions_fit_their_readers(name):
+@in_each_folder
+def test_files_and_functions_fit_their_readers(names):
     """No file over 600 lines; no function over 60 lines but in the annotated kernel."""
-    assert len(MODULES[name].read_text().splitlines()) <= 600
-    if "._kernel" in name:  # the annotated loops of the walker
-        return
-    assert not read(MODULES[name]).long
+    for name in names:
+        assert len(MODULES[name].read_text().splitlines()) <= 600, name
+        # The kernel is the annotated loops of the walker.
+        assert "._kernel" in name or not read(MODULES[name]).long, name
 
 
 def stated_names():
@@ -158,12 +168,17 @@ def stated_names():
 PUBLIC = list(stated_names())
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_what_holds_arrays_is_a_result(name):
+@in_each_folder
+def test_what_holds_arrays_is_a_result(names):
     """Read-only, compared by identity, printed in one line, pickled: see results.py.
 
     Dataclasses with arrays, and named tuples with arrays that a script gets.
     """
+    for name in names:
+        holds_arrays_in_results(name)
+
+
+def holds_arrays_in_results(name):
     from mobility_imu.results import Result
 
     for node in ast.parse(MODULES[name].read_text()).body:
@@ -214,12 +229,17 @@ def test_public_names_are_documented(module, public):
             assert "Parameters\n---" in text, f"{whole}: no parameters"
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_docstrings_begin_with_what_there_is(name):
+@in_each_folder
+def test_docstrings_begin_with_what_there_is(names):
     """Not with "Give ..." or "Refuse what ...", which say nothing."""
     bad = ("Give", "Gives", "Refuse", "Refuses")
-    found = [line for line in read(MODULES[name]).beginnings if line.partition(" ")[0] in bad]
-    assert not found, name
+    found = [
+        (name, line)
+        for name in names
+        for line in read(MODULES[name]).beginnings
+        if line.partition(" ")[0] in bad
+    ]
+    assert not found
 
 
 def test_package_stays_light():
