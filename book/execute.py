@@ -187,13 +187,15 @@ def in_order(chosen: list[Path], first_part: int) -> list[Path]:
     """Longest first, so that no core waits at the end for a long one.
 
     Each of two cores begins with a part of the list. The wheelchair's notebooks need no compiled
-    loops: both parts begin with them, while the filters are compiled that all others need.
+    loops, and the walker's filter compiles first: both parts begin with these, while the scooter's
+    filter is compiled.
     """
     longest = sorted(chosen, key=lambda n: (-seconds_of(EXECUTED / n), place_in_long(n)))
-    plain = [n for n in longest if "wheelchair" in n.parts]
-    others = [n for n in longest if "wheelchair" not in n.parts]
-    here = max(first_part - len(plain[::2]), 0)
-    return [*plain[::2], *others[:here], *plain[1::2], *others[here:]]
+    begin = [n for n in longest if "wheelchair" in n.parts]
+    begin += [n for n in longest if "walker" in n.parts][:6]
+    others = [n for n in longest if n not in begin]
+    here = max(first_part - len(begin[::2]), 0)
+    return [*begin[::2], *others[:here], *begin[1::2], *others[here:]]
 
 
 def keep(ran: Path, copy: Path, key: str) -> None:
